@@ -1,0 +1,3 @@
+"""Partial matching of non-rigid 3D shapes."""
+
+__version__ = "0.1.0"

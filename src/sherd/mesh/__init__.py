@@ -1,0 +1,1 @@
+"""Floor 2: the one mesh type, points on it, files, validation, repair."""

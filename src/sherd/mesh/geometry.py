@@ -1,0 +1,60 @@
+"""Measures of triangles as functions on arrays: areas, normals, edge lengths.
+
+`vertices` is (n, 3) float64 in mesh length l, `faces` (m, 3) int64 throughout.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["barycentric_vertex_areas", "edge_lengths", "face_areas", "face_cross", "face_normals", "vertex_normals"]
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+def face_cross(vertices: Floats, faces: Ints) -> Floats:
+    """Cross product of two edges of each face, (m, 3) l^2: twice the area times the normal."""
+    origin = vertices[faces[:, 0]]
+    return np.cross(vertices[faces[:, 1]] - origin, vertices[faces[:, 2]] - origin)
+
+
+def face_areas(vertices: Floats, faces: Ints) -> Floats:
+    """Area of each face, (m,) l^2."""
+    areas: Floats = 0.5 * np.linalg.norm(face_cross(vertices, faces), axis=1)
+    return areas
+
+
+def face_normals(vertices: Floats, faces: Ints) -> Floats:
+    """Unit normal of each face by the right-hand rule, (m, 3); zero where the area is zero."""
+    return _normalized(face_cross(vertices, faces))
+
+
+def barycentric_vertex_areas(vertices: Floats, faces: Ints) -> Floats:
+    """A third of the area of the faces at each vertex, (n,) l^2; sums to the total area."""
+    thirds = np.repeat(face_areas(vertices, faces) / 3.0, 3)
+    return np.bincount(faces.ravel(), thirds, minlength=len(vertices))
+
+
+def vertex_normals(vertices: Floats, faces: Ints) -> Floats:
+    """Area-weighted unit normal of each vertex, (n, 3); zero where no face gives one."""
+    cross = np.repeat(face_cross(vertices, faces), 3, axis=0)
+    corner = faces.ravel()
+    total = np.stack(
+        [np.bincount(corner, cross[:, axis], minlength=len(vertices)) for axis in range(3)], axis=1
+    )
+    return _normalized(total)
+
+
+def edge_lengths(vertices: Floats, faces: Ints) -> Floats:
+    """Length of the edge opposite each corner, (m, 3) l."""
+    following = vertices[faces[:, [1, 2, 0]]]
+    preceding = vertices[faces[:, [2, 0, 1]]]
+    lengths: Floats = np.linalg.norm(preceding - following, axis=2)
+    return lengths
+
+
+def _normalized(rows: Floats) -> Floats:
+    length = np.linalg.norm(rows, axis=1, keepdims=True)
+    return np.divide(rows, length, out=np.zeros_like(rows), where=length > 0)

@@ -1,0 +1,176 @@
+"""SurfacePoints: points on a mesh, said as face and barycentric weights."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.spatial import cKDTree
+
+from sherd.errors import InvalidMeshError
+from sherd.mesh.triangle_mesh import TriangleMesh
+from sherd.mesh.validate import frozen
+
+__all__ = ["SurfacePoints", "closest_points", "points_at_vertices"]
+
+# Weights come from files with about seven digits; larger sums of errors are a damaged file.
+WEIGHT_TOLERANCE = 1e-3
+
+
+@dataclass(frozen=True, eq=False)
+class SurfacePoints:
+    """Points on the surface of one mesh.
+
+    Parameters
+    ----------
+    faces
+        (p,) int, the face that each point lies on.
+    barycentric
+        (p, 3) float in [0, 1], weight of each corner of that face; rows sum to 1.
+
+    Raises
+    ------
+    InvalidMeshError
+        If the shapes differ, a weight is outside [0, 1] or a row does not sum to 1.
+    """
+
+    faces: NDArray[np.int64]
+    barycentric: NDArray[np.float64]
+
+    def __post_init__(self) -> None:
+        faces = np.array(self.faces, dtype=np.int64)
+        weights = np.array(self.barycentric, dtype=np.float64)
+        if faces.ndim != 1 or weights.shape != (len(faces), 3):
+            raise InvalidMeshError(
+                f"faces has shape {faces.shape} and barycentric {weights.shape}, "
+                "but (p,) and (p, 3) are needed"
+            )
+        bad = ~(np.abs(weights.sum(axis=1) - 1) <= WEIGHT_TOLERANCE)
+        bad |= ~(weights.min(axis=1, initial=0) >= -WEIGHT_TOLERANCE)
+        if bad.any():
+            row = int(np.argmax(bad))
+            raise InvalidMeshError(
+                f"barycentric[{row}] = {weights[row]}, but weights lie in [0, 1] and sum to 1"
+            )
+        weights = np.clip(weights, 0.0, 1.0)
+        weights /= weights.sum(axis=1, keepdims=True)
+        object.__setattr__(self, "faces", frozen(faces))
+        object.__setattr__(self, "barycentric", frozen(weights))
+
+    def __len__(self) -> int:
+        return len(self.faces)
+
+    def __getitem__(self, index: ArrayLike) -> SurfacePoints:
+        rows = np.atleast_1d(np.asarray(index))
+        return SurfacePoints(self.faces[rows], self.barycentric[rows])
+
+    def interpolate(self, mesh: TriangleMesh, values: ArrayLike) -> NDArray[np.float64]:
+        """Vertex values (n,) or (n, c) of `mesh` at the points, (p,) or (p, c)."""
+        corners = np.asarray(values, dtype=np.float64)[mesh.faces[self.faces]]
+        result: NDArray[np.float64] = np.einsum("pk,pk...->p...", self.barycentric, corners)
+        return result
+
+    def positions(self, mesh: TriangleMesh) -> NDArray[np.float64]:
+        """Coordinates of the points, (p, 3) l."""
+        return self.interpolate(mesh, mesh.vertices)
+
+    def nearest_vertices(self, mesh: TriangleMesh) -> NDArray[np.int64]:
+        """The corner with the largest weight, (p,)."""
+        corners = mesh.faces[self.faces]
+        return corners[np.arange(len(self)), self.barycentric.argmax(axis=1)]
+
+
+def points_at_vertices(mesh: TriangleMesh, vertices: ArrayLike) -> SurfacePoints:
+    """The given vertices (p,) of `mesh` as surface points, each on one of its faces.
+
+    Raises
+    ------
+    InvalidMeshError
+        If a vertex is out of range or belongs to no face.
+    """
+    wanted = np.atleast_1d(np.asarray(vertices, dtype=np.int64))
+    face_of = np.full(mesh.vertex_count, -1, dtype=np.int64)
+    corner_of = np.zeros(mesh.vertex_count, dtype=np.int64)
+    for corner in range(3):
+        face_of[mesh.faces[:, corner]] = np.arange(mesh.face_count)
+        corner_of[mesh.faces[:, corner]] = corner
+    outside = (wanted < 0) | (wanted >= mesh.vertex_count)
+    if outside.any():
+        row = int(np.argmax(outside))
+        raise InvalidMeshError(
+            f"vertices[{row}] = {wanted[row]}, but {mesh.name} has vertices 0..{mesh.vertex_count - 1}"
+        )
+    if (face_of[wanted] < 0).any():
+        row = int(np.argmax(face_of[wanted] < 0))
+        raise InvalidMeshError(f"vertex {wanted[row]} of {mesh.name} belongs to no face")
+    weights = np.zeros((len(wanted), 3))
+    weights[np.arange(len(wanted)), corner_of[wanted]] = 1.0
+    return SurfacePoints(face_of[wanted], weights)
+
+
+def closest_points(mesh: TriangleMesh, positions: ArrayLike, *, neighbors: int = 12) -> SurfacePoints:
+    """The point of `mesh` closest to each position (p, 3), among the faces at near vertices.
+
+    Faces around the `neighbors` nearest face centers are searched, which is exact wherever
+    triangles are not much longer than wide and the positions lie near the surface; it costs
+    O(p * neighbors). Ericson, *Real-Time Collision Detection*, 2005, section 5.1.5.
+    """
+    points = np.atleast_2d(np.asarray(positions, dtype=np.float64))
+    centers = mesh.vertices[mesh.faces].mean(axis=1)
+    count = min(neighbors, mesh.face_count)
+    _, near = cKDTree(centers).query(points, k=count)
+    near = near.reshape(len(points), count)
+    best = np.full(len(points), np.inf)
+    best_face = np.zeros(len(points), dtype=np.int64)
+    best_weights = np.zeros((len(points), 3))
+    for column in range(count):
+        faces = near[:, column]
+        weights = _closest_weights(points, mesh.vertices[mesh.faces[faces]])
+        found = np.einsum("pk,pkc->pc", weights, mesh.vertices[mesh.faces[faces]])
+        distance = ((found - points) ** 2).sum(axis=1)
+        better = distance < best
+        best[better] = distance[better]
+        best_face[better] = faces[better]
+        best_weights[better] = weights[better]
+    return SurfacePoints(best_face, best_weights)
+
+
+def _closest_weights(points: NDArray[np.float64], corners: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Barycentric weights of the closest point of each triangle (p, 3, 3) to each point."""
+    a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
+    ab, ac, ap = b - a, c - a, points - a
+    d00, d01, d11 = _dot(ab, ab), _dot(ab, ac), _dot(ac, ac)
+    d20, d21 = _dot(ap, ab), _dot(ap, ac)
+    determinant = d00 * d11 - d01 * d01
+    flat = determinant <= 1e-14 * np.maximum(d00 * d11, np.finfo(float).tiny)
+    safe = np.where(flat, 1.0, determinant)
+    v = (d11 * d20 - d01 * d21) / safe
+    w = (d00 * d21 - d01 * d20) / safe
+    inside = np.stack([1 - v - w, v, w], axis=1)
+    outside = flat | (inside.min(axis=1) < 0)
+    if outside.any():
+        inside[outside] = _closest_on_edges(points[outside], corners[outside])
+    return inside
+
+
+def _closest_on_edges(points: NDArray[np.float64], corners: NDArray[np.float64]) -> NDArray[np.float64]:
+    best = np.full(len(points), np.inf)
+    weights = np.zeros((len(points), 3))
+    for first, second in ((0, 1), (1, 2), (2, 0)):
+        start, direction = corners[:, first], corners[:, second] - corners[:, first]
+        squared = np.maximum(_dot(direction, direction), np.finfo(float).tiny)
+        t = np.clip(_dot(points - start, direction) / squared, 0.0, 1.0)
+        gap = points - start - t[:, None] * direction
+        distance = _dot(gap, gap)
+        better = distance < best
+        best[better] = distance[better]
+        weights[better] = 0.0
+        weights[better, first] = 1 - t[better]
+        weights[better, second] = t[better]
+    return weights
+
+
+def _dot(left: NDArray[np.float64], right: NDArray[np.float64]) -> NDArray[np.float64]:
+    product: NDArray[np.float64] = np.einsum("pc,pc->p", left, right)
+    return product

@@ -1,0 +1,49 @@
+"""Connectivity of triangles as functions on arrays: edges, boundary, components.
+
+`faces` is (m, 3) int64; `count` is the number of vertices.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+from scipy.sparse import csgraph
+
+__all__ = ["adjacency", "boundary_edges", "component_labels", "half_edges", "unique_edges"]
+
+Ints = NDArray[np.int64]
+
+
+def half_edges(faces: Ints) -> Ints:
+    """The three directed edges of each face, (3m, 2), face after face."""
+    return faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
+
+
+def unique_edges(faces: Ints) -> tuple[Ints, Ints]:
+    """Undirected edges (e, 2) with the lower index first, and the number of faces at each (e,)."""
+    edges, uses = np.unique(np.sort(half_edges(faces), axis=1), axis=0, return_counts=True)
+    return edges, uses.astype(np.int64)
+
+
+def boundary_edges(faces: Ints) -> Ints:
+    """Edges with one face only, (b, 2), lower index first."""
+    edges, uses = unique_edges(faces)
+    return edges[uses == 1]
+
+
+def adjacency(faces: Ints, count: int) -> sparse.csr_array:
+    """Symmetric (n, n) matrix with 1 where an edge joins two vertices."""
+    edges, _ = unique_edges(faces)
+    rows = np.concatenate([edges[:, 0], edges[:, 1]])
+    columns = np.concatenate([edges[:, 1], edges[:, 0]])
+    return sparse.csr_array((np.ones(len(rows)), (rows, columns)), shape=(count, count))
+
+
+def component_labels(faces: Ints, count: int) -> Ints:
+    """Component of each vertex, (n,), numbered from 0 by descending number of vertices."""
+    _, raw = csgraph.connected_components(adjacency(faces, count), directed=False)
+    sizes = np.bincount(raw)
+    rank = np.empty(len(sizes), dtype=np.int64)
+    rank[np.argsort(-sizes, kind="stable")] = np.arange(len(sizes))
+    return rank[raw]

@@ -1,0 +1,186 @@
+"""TriangleMesh: vertices, faces and vertex fields, frozen."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from types import MappingProxyType
+from typing import Any, cast
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from sherd.errors import InvalidMeshError
+from sherd.mesh import geometry, topology
+from sherd.mesh.validate import checked_faces, checked_field, checked_vertices, frozen
+
+__all__ = ["TriangleMesh"]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class TriangleMesh:
+    """A triangle mesh with optional vertex fields; all arrays are read-only.
+
+    Boundaries, several components, non-manifold edges and unreferenced vertices are legal;
+    :mod:`sherd.mesh.repair` names what is wrong with a mesh and mends it on request.
+
+    Parameters
+    ----------
+    vertices
+        (n, 3) float, mesh length l, finite.
+    faces
+        (m, 3) int, indices into `vertices`, m >= 1, counterclockwise seen from outside.
+    fields
+        Values per vertex by name, each (n,) or (n, c) float.
+    name
+        What messages and reports call the mesh.
+
+    Raises
+    ------
+    InvalidMeshError
+        If an array does not describe a mesh; the message names the first bad element.
+
+    Examples
+    --------
+    >>> triangle = TriangleMesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+    >>> triangle.area
+    0.5
+    """
+
+    vertices: NDArray[np.float64]
+    faces: NDArray[np.int64]
+    fields: Mapping[str, NDArray[np.float64]] = field(default_factory=dict, kw_only=True)
+    name: str = field(default="mesh", kw_only=True)
+
+    def __init__(
+        self,
+        vertices: ArrayLike,
+        faces: ArrayLike,
+        *,
+        fields: Mapping[str, ArrayLike] | None = None,
+        name: str = "mesh",
+    ) -> None:
+        checked = checked_vertices(vertices)
+        # a frozen dataclass sets its own fields this way
+        object.__setattr__(self, "vertices", checked)
+        object.__setattr__(self, "faces", checked_faces(faces, len(checked)))
+        stored = {key: checked_field(key, value, len(checked)) for key, value in (fields or {}).items()}
+        object.__setattr__(self, "fields", MappingProxyType(stored))
+        object.__setattr__(self, "name", name)
+
+    def __repr__(self) -> str:
+        return f"TriangleMesh({self.name!r}, {self.vertex_count} vertices, {self.face_count} faces)"
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {
+            "vertices": self.vertices,
+            "faces": self.faces,
+            "fields": dict(self.fields),
+            "name": self.name,
+        }
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__init__(**state)  # type: ignore[misc]
+
+    @property
+    def vertex_count(self) -> int:
+        """n."""
+        return len(self.vertices)
+
+    @property
+    def face_count(self) -> int:
+        """m."""
+        return len(self.faces)
+
+    @cached_property
+    def face_areas(self) -> NDArray[np.float64]:
+        """(m,) l^2."""
+        return _frozen(geometry.face_areas(self.vertices, self.faces))
+
+    @cached_property
+    def face_normals(self) -> NDArray[np.float64]:
+        """(m, 3) unit, zero on faces without area."""
+        return _frozen(geometry.face_normals(self.vertices, self.faces))
+
+    @cached_property
+    def vertex_areas(self) -> NDArray[np.float64]:
+        """(n,) l^2, barycentric: a third of each face; sums to `area`."""
+        return _frozen(geometry.barycentric_vertex_areas(self.vertices, self.faces))
+
+    @cached_property
+    def vertex_normals(self) -> NDArray[np.float64]:
+        """(n, 3) unit, area-weighted."""
+        return _frozen(geometry.vertex_normals(self.vertices, self.faces))
+
+    @cached_property
+    def area(self) -> float:
+        """Total area, l^2."""
+        return float(self.face_areas.sum())
+
+    @property
+    def length(self) -> float:
+        """sqrt(area): the unit in which sherd states every length of a full shape, l."""
+        return float(np.sqrt(self.area))
+
+    @cached_property
+    def edges(self) -> NDArray[np.int64]:
+        """(e, 2) undirected edges, lower index first."""
+        return _frozen(topology.unique_edges(self.faces)[0])
+
+    @cached_property
+    def mean_edge_length(self) -> float:
+        """Mean over `edges`, l."""
+        ends = self.vertices[self.edges]
+        return float(np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1).mean())
+
+    @cached_property
+    def boundary_vertices(self) -> NDArray[np.int64]:
+        """Indices of the vertices on an edge with one face only, ascending."""
+        return _frozen(np.unique(topology.boundary_edges(self.faces)))
+
+    @cached_property
+    def component_labels(self) -> NDArray[np.int64]:
+        """(n,) component of each vertex, 0 the one with most vertices."""
+        return _frozen(topology.component_labels(self.faces, self.vertex_count))
+
+    @property
+    def component_count(self) -> int:
+        """Number of components; an unreferenced vertex is one of its own."""
+        return int(self.component_labels.max()) + 1
+
+    def with_vertices(self, vertices: ArrayLike) -> TriangleMesh:
+        """The same faces, fields and name on other positions (n, 3)."""
+        return TriangleMesh(vertices, self.faces, fields=self.fields, name=self.name)
+
+    def with_fields(self, **fields: ArrayLike) -> TriangleMesh:
+        """A copy with these vertex fields added or replaced."""
+        return TriangleMesh(
+            self.vertices, self.faces, fields={**self.fields, **fields}, name=self.name
+        )
+
+    def submesh(self, face_mask: ArrayLike) -> tuple[TriangleMesh, NDArray[np.int64]]:
+        """The faces where `face_mask` (m,) bool holds, and the old index of each kept vertex.
+
+        Raises
+        ------
+        InvalidMeshError
+            If the mask has another length or keeps no face.
+        """
+        mask = np.asarray(face_mask, dtype=bool)
+        if mask.shape != (self.face_count,):
+            raise InvalidMeshError(
+                f"face_mask has shape {mask.shape}, but {(self.face_count,)} is needed"
+            )
+        kept = np.unique(self.faces[mask]) if mask.any() else np.empty(0, dtype=np.int64)
+        renumber = np.zeros(self.vertex_count, dtype=np.int64)
+        renumber[kept] = np.arange(len(kept))
+        fields = {key: values[kept] for key, values in self.fields.items()}
+        mesh = TriangleMesh(
+            self.vertices[kept], renumber[self.faces[mask]], fields=fields, name=self.name
+        )
+        return mesh, kept
+
+
+def _frozen(array: NDArray[Any]) -> NDArray[Any]:
+    return cast("NDArray[Any]", frozen(array))

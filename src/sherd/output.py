@@ -1,0 +1,115 @@
+"""Atomic files and progress by stage.
+
+A file is written under a temporary name in its own folder and renamed when it is complete, so
+a reader sees the old file or the new one and never half of either.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import logging
+import os
+import secrets
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+from tqdm import tqdm
+
+from sherd.errors import OutputError
+
+__all__ = ["Stages", "replacing", "write_bytes", "write_text"]
+
+logger = logging.getLogger(__name__)
+
+
+@contextlib.contextmanager
+def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
+    """Yield a temporary path beside `path`; rename it to `path` when the block ends well.
+
+    The temporary name keeps the suffix of `path`, because libraries choose a format by it.
+
+    Raises
+    ------
+    OutputError
+        If the folder cannot be made, the file cannot be written, or the rename fails. The
+        temporary file is removed and `path` is as it was.
+    """
+    target = Path(path)
+    temporary = target.with_name(f".{target.stem}-{secrets.token_hex(4)}.partial{target.suffix}")
+    try:
+        target.parent.mkdir(parents=True, exist_ok=True)
+        yield temporary
+        with temporary.open("rb") as stream:  # the bytes reach the disk before the name does
+            os.fsync(stream.fileno())
+        temporary.replace(target)
+    except OSError as error:
+        if isinstance(error, OutputError):
+            raise
+        reason = error.strerror or str(error)
+        raise OutputError(
+            f"{target}: cannot be written ({reason}); choose another folder or free some space"
+        ) from error
+    finally:
+        with contextlib.suppress(OSError):
+            temporary.unlink()
+
+
+def write_bytes(path: str | os.PathLike[str], data: bytes) -> None:
+    """Write `data` to `path` atomically; see :func:`replacing` for errors."""
+    with replacing(path) as temporary:
+        temporary.write_bytes(data)
+
+
+def write_text(path: str | os.PathLike[str], text: str) -> None:
+    """Write `text` as UTF-8 with Unix line ends to `path` atomically."""
+    write_bytes(path, text.encode("utf-8"))
+
+
+class Stages:
+    """Times named stages in order and shows them as a progress bar on a terminal.
+
+    Parameters
+    ----------
+    expected
+        Number of stages the bar is drawn for; 0 when unknown. Entering more is no error.
+    visible
+        True or False to force the bar; None shows it only if standard error is a terminal.
+
+    Examples
+    --------
+    >>> stages = Stages(visible=False)
+    >>> with stages("eigenbasis"):
+    ...     total = sum(range(10))
+    >>> list(stages.seconds)
+    ['eigenbasis']
+    """
+
+    def __init__(self, expected: int = 0, *, visible: bool | None = None) -> None:
+        self.seconds: dict[str, float] = {}
+        # tqdm's disable=None means: quiet unless standard error is a terminal
+        self._bar = tqdm(
+            total=expected or None,
+            disable=None if visible is None else not visible,
+            file=sys.stderr,
+            leave=False,
+            bar_format="{desc:<28}|{bar:24}| {n_fmt}/{total_fmt} {elapsed}",
+        )
+
+    @contextlib.contextmanager
+    def __call__(self, name: str) -> Iterator[None]:
+        """Time the block as stage `name`; a repeated name adds up."""
+        self._bar.set_description_str(name)
+        start = time.perf_counter()
+        try:
+            yield
+        finally:
+            elapsed = time.perf_counter() - start
+            self.seconds[name] = self.seconds.get(name, 0.0) + elapsed
+            logger.debug("%s: %.3f s", name, elapsed)
+            self._bar.update(1)
+
+    def close(self) -> None:
+        """Take the bar off the terminal."""
+        self._bar.close()

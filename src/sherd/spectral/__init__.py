@@ -1,0 +1,1 @@
+"""Floor 3: operators, eigenbasis, geodesics, sampling."""

@@ -1,0 +1,185 @@
+"""EigenBasis: the first k Laplace-Beltrami eigenpairs of a mesh."""
+
+from __future__ import annotations
+
+import logging
+from dataclasses import dataclass
+
+import numpy as np
+import robust_laplacian
+from numpy.typing import NDArray
+from scipy import sparse
+from scipy.sparse.linalg import LinearOperator, eigsh, splu
+from threadpoolctl import threadpool_limits
+
+from sherd.errors import OptionError
+from sherd.mesh.geometry import edge_lengths
+from sherd.mesh.triangle_mesh import TriangleMesh
+from sherd.mesh.validate import frozen
+from sherd.spectral.operators import stiffness
+
+__all__ = ["EigenBasis", "eigenbasis", "robust_operators"]
+
+logger = logging.getLogger(__name__)
+
+# A face this flat (height over longest edge) loses half of the digits of its cotangents.
+FLAT_FACE = 1e-7
+# The shift in units of 1/area. The first nonzero eigenvalue is of order 4 pi / area or below, and
+# the factorization stays well conditioned (condition about n / shift) down to 1e-6 and beyond.
+SHIFT = 1e-3
+
+
+@dataclass(frozen=True, eq=False)
+class EigenBasis:
+    """Eigenpairs `W phi = lambda A phi`, ascending, area-orthonormal.
+
+    Attributes
+    ----------
+    eigenvalues
+        (k,) float, 1/l^2, ascending, not negative; one zero per component.
+    eigenvectors
+        (n, k) float, 1/l; `eigenvectors' * diag(vertex_areas) * eigenvectors = I`. The entry of
+        largest magnitude in each column is positive.
+    vertex_areas
+        (n,) float, l^2, the mass the vectors are orthonormal in.
+    residual
+        Largest `|W phi - lambda A phi|` in the norm of the inverse mass, over the largest
+        eigenvalue.
+    laplacian
+        `"cotangent"`, or `"intrinsic Delaunay"` where flat faces made cotangents useless.
+    """
+
+    eigenvalues: NDArray[np.float64]
+    eigenvectors: NDArray[np.float64]
+    vertex_areas: NDArray[np.float64]
+    residual: float
+    laplacian: str
+
+    @property
+    def size(self) -> int:
+        """k."""
+        return len(self.eigenvalues)
+
+    def truncated(self, size: int) -> EigenBasis:
+        """The first `size` eigenpairs of this basis."""
+        return EigenBasis(
+            self.eigenvalues[:size],
+            self.eigenvectors[:, :size],
+            self.vertex_areas,
+            self.residual,
+            self.laplacian,
+        )
+
+    def project(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Coefficients (k,) or (k, c) of vertex values (n,) or (n, c): `Phi' A f`."""
+        weighted = self.vertex_areas.reshape(-1, *([1] * (values.ndim - 1))) * values
+        coefficients: NDArray[np.float64] = self.eigenvectors.T @ weighted
+        return coefficients
+
+
+def eigenbasis(mesh: TriangleMesh, size: int) -> EigenBasis:
+    """The first `size` eigenpairs of the Laplace-Beltrami operator, natural (Neumann) boundary.
+
+    Fewer come back when the mesh has fewer than `size` vertices to carry them. The start
+    vector and the signs are fixed, so the same mesh gives the same basis.
+
+    Parameters
+    ----------
+    mesh
+        Any mesh; vertices without area get the value 0 in every eigenvector.
+    size
+        Number of eigenpairs, at least 1.
+
+    Raises
+    ------
+    OptionError
+        If `size` is below 1.
+
+    Notes
+    -----
+    Shift-invert Lanczos on `A^-1/2 W A^-1/2` with one sparse factorization: near linear in n,
+    0.5 s for 10,000 vertices and 100 pairs. One BLAS thread, because two are slower here.
+    """
+    if size < 1:
+        raise OptionError(f"basis size is {size}, but at least 1 eigenpair is needed")
+    laplacian, weak, areas = _operators(mesh)
+    live = np.flatnonzero(areas > 0)
+    weak = weak[live][:, live]
+    mass = areas[live]
+    count = min(size, len(live))
+    with threadpool_limits(limits=1):
+        values, vectors = _smallest_pairs(weak, mass, count)
+    values = np.maximum(values, 0.0)
+    defect = weak @ vectors - mass[:, None] * vectors * values
+    norms = np.sqrt((defect**2 / mass[:, None]).sum(axis=0))
+    residual = float(norms.max() / max(values[-1], 1.0 / mass.sum()))
+    full = np.zeros((mesh.vertex_count, count))
+    full[live] = vectors
+    peak = full[np.abs(full).argmax(axis=0), np.arange(count)]
+    full *= np.where(peak < 0, -1.0, 1.0)
+    return EigenBasis(
+        _read_only(values), _read_only(full), _read_only(areas), residual, laplacian
+    )
+
+
+def robust_operators(mesh: TriangleMesh) -> tuple[sparse.csr_array, NDArray[np.float64]]:
+    """Stiffness and vertex areas on the tufted intrinsic Delaunay cover.
+
+    References
+    ----------
+    Sharp and Crane, *A Laplacian for nonmanifold triangle meshes*, 2020.
+    """
+    used = np.unique(mesh.faces)
+    renumber = np.zeros(mesh.vertex_count, dtype=np.int64)
+    renumber[used] = np.arange(len(used))
+    weak, mass = robust_laplacian.mesh_laplacian(mesh.vertices[used], renumber[mesh.faces])
+    areas = np.zeros(mesh.vertex_count)
+    areas[used] = mass.diagonal()
+    # spread the matrix back to the numbering of the mesh
+    place = sparse.coo_array(
+        (np.ones(len(used)), (used, np.arange(len(used)))), shape=(mesh.vertex_count, len(used))
+    ).tocsr()
+    return sparse.csr_array(place @ sparse.csr_array(weak) @ place.T), areas
+
+
+def _operators(mesh: TriangleMesh) -> tuple[str, sparse.csr_array, NDArray[np.float64]]:
+    longest = edge_lengths(mesh.vertices, mesh.faces).max(axis=1)
+    flat = 2 * mesh.face_areas <= FLAT_FACE * longest**2
+    if not flat.any():
+        return "cotangent", stiffness(mesh.vertices, mesh.faces), mesh.vertex_areas
+    logger.info("%s: %d flat faces, intrinsic Delaunay Laplacian used", mesh.name, flat.sum())
+    weak, areas = robust_operators(mesh)
+    return "intrinsic Delaunay", weak, areas
+
+
+def _smallest_pairs(
+    weak: sparse.csr_array, mass: NDArray[np.float64], count: int
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Pairs of `weak phi = lambda mass phi`, phi mass-orthonormal."""
+    scale = 1.0 / np.sqrt(mass)
+    scaling = sparse.diags_array(scale)
+    total = float(mass.sum())
+    matrix = sparse.csc_array(scaling @ weak @ scaling) * total  # dimensionless
+    size = len(mass)
+    if count > size // 2 or size <= 64:  # Lanczos needs room; a small matrix is dense work
+        values, vectors = np.linalg.eigh(matrix.toarray())
+        values, vectors = values[:count], vectors[:, :count]
+    else:
+        shifted = sparse.csc_array(matrix + SHIFT * sparse.eye_array(size))
+        factor = splu(
+            shifted,
+            permc_spec="MMD_AT_PLUS_A",
+            diag_pivot_thresh=0.0,
+            options={"SymmetricMode": True},
+        )
+        inverse = LinearOperator((size, size), matvec=factor.solve, dtype=np.float64)
+        start = np.random.default_rng(0).standard_normal(size)
+        values, vectors = eigsh(matrix, count, sigma=-SHIFT, OPinv=inverse, v0=start, tol=1e-12)
+        order = np.argsort(values, kind="stable")
+        values, vectors = values[order], vectors[:, order]
+    return values / total, scale[:, None] * vectors
+
+
+def _read_only(array: NDArray[np.float64]) -> NDArray[np.float64]:
+    result: NDArray[np.float64] = frozen(array)
+    return result
