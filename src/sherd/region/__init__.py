@@ -1,0 +1,1 @@
+"""Floor 6: which vertices of the full shape the part covers."""
