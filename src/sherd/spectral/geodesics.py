@@ -52,6 +52,16 @@ class Geodesics:
             self.method = "edge paths"
         self._unit = mesh.length
 
+    @property
+    def used_vertices(self) -> NDArray[np.int64]:
+        """Indices of the vertices that belong to a face, ascending."""
+        return self._used
+
+    @property
+    def component_labels(self) -> NDArray[np.int64]:
+        """(n,) component of each vertex, 0 the one with most vertices."""
+        return self._labels
+
     def distances_from(self, sources: ArrayLike) -> NDArray[np.float64]:
         """Distance from each source vertex to every vertex, (s, n) l; inf if not connected."""
         indices = self._checked(sources)
