@@ -27,10 +27,6 @@ class Status(Enum):
         "stalled: no step lowers the energy at this precision; loosen the tolerance, or raise "
         "the regularity if the membership looks rough"
     )
-    DROPPED = (
-        "dropped: another start fell into the same region or clearly below; ask for more "
-        "survivors to see this start through"
-    )
     NUMERICAL = "numerical failure of the solver; use another solver or rescale the descriptors"
 
     @property
