@@ -1,0 +1,201 @@
+"""Joint labeling: every node of the part gets a label of the full shape and a tangent rotation.
+
+Cost of a labeling = sum over nodes of (lack of similarity) + sum over edges of (disagreement of
+geodesic length and of geodesic direction). Lengths count as equal where the path on the part
+cannot have met the cut, that is `d(i, j) <= b_i + b_j` with b the distance to the cut (Bracha,
+Dages, Kimmel, *Wormhole loss for partial shape matching*, 2024, use the same criterion);
+elsewhere the full shape may have a shorter path, not shorter than b_i + b_j and not longer
+than the part's. Directions are compared in the tangent frames, which rules mirrored answers out.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sherd.correspondence.message_passing import labeling_costs, pass_messages
+from sherd.correspondence.part_data import PartData
+from sherd.template import Template
+
+__all__ = ["Labeling", "Problem", "make_problem", "solve", "unary_cost"]
+
+Floats = NDArray[np.float64]
+Singles = NDArray[np.float32]
+Ints = NDArray[np.int64]
+
+# Each node is tied to its near neighbors, which carry the shape, and to some farther away, which
+# carry the layout; all pairs would be twenty times as many.
+NEAR_NEIGHBORS, MIDDLE_NEIGHBORS, FAR_NEIGHBORS = 10, 6, 6
+MIDDLE_REACH = 0.35
+# A length may be off by half the spacing of labels at both ends, and by a tenth through stretch.
+LENGTH_SIGMA, STRETCH_SIGMA = 0.02, 0.1
+# Beyond two sigma a pair says "wrong" and not more.
+LIMIT = 4.0
+# Short lengths are more reliable and there are more far pairs than near ones.
+LENGTH_HALF = 0.3
+# Directions: 16 rotations are 22 degrees apart, and geodesics bend; useless beyond a limb's length.
+ANGLE_SIGMA = float(np.radians(30.0))
+ANGLE_REACH = 0.3
+ANGLE_WEIGHT = 0.5
+# How fast the belief in equal length fades once the path may have met the cut.
+CUT_FADE = 0.15
+CUT_SHARE = 0.6
+# A similarity 0.1 below the best is one unit of cost; three units say "unlike" and not more.
+SIMILARITY_STEP, SIMILARITY_LIMIT = 0.1, 3.0
+# One node's similarity weighs as much as its dozen weighted edges.
+UNARY_WEIGHT = 8.0
+# Close to the cut a neighborhood says less: down to 0.4 within the middle radius.
+CUT_TRUST, CUT_LEAST = 0.06, 0.4
+ROUNDS = 8
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """A labeling problem.
+
+    Attributes
+    ----------
+    template, part
+        The two shapes.
+    similarity
+        (k, s, r) float32 similarity of node and label at each of r rotations.
+    edges, measures
+        (e, 2) and (e, 5), see :func:`sherd.correspondence.message_passing.labeling_costs`.
+    mirrored
+        Whether directions on the part are counted the other way round.
+    forbidden
+        (k, s) bool, labels that a hint rules out.
+    """
+
+    template: Template
+    part: PartData
+    similarity: Singles
+    edges: Ints
+    measures: Floats
+    mirrored: bool
+    forbidden: NDArray[np.bool_]
+
+    @property
+    def directions(self) -> Singles:
+        """(k, k) directions on the part, turned round if the problem is mirrored."""
+        return -self.part.directions if self.mirrored else self.part.directions
+
+
+@dataclass(frozen=True, eq=False)
+class Labeling:
+    """A label and a rotation for each node.
+
+    Attributes
+    ----------
+    labels, rotations
+        (k,) label and rotation in radians of each node.
+    local_cost
+        (k,) mean cost of the short edges at each node, 0 is perfect, above 2 is poor.
+    energy
+        Total cost per node.
+    """
+
+    labels: Ints
+    rotations: Floats
+    local_cost: Floats
+    energy: float
+
+
+def make_problem(
+    template: Template,
+    part: PartData,
+    similarity: Singles,
+    rng: np.random.Generator,
+    *,
+    mirrored: bool = False,
+    forbidden: NDArray[np.bool_] | None = None,
+) -> Problem:
+    """Choose the edges and their weights."""
+    edges = _edges(part.between, rng)
+    measures = _measures(edges, part)
+    if forbidden is None:
+        forbidden = np.zeros(similarity.shape[:2], dtype=bool)
+    return Problem(template, part, similarity, edges, measures, mirrored, forbidden)
+
+
+def unary_cost(problem: Problem, labels: Ints, rotations: Floats, step: float) -> Floats:
+    """Cost (k, c) of candidates (k, c): how much less similar than the best of the node."""
+    similarity = problem.similarity
+    shifts = similarity.shape[2]
+    place = (rotations / (2 * np.pi) * shifts) % shifts
+    below = np.floor(place).astype(np.int64)
+    share = place - below
+    rows = np.arange(len(labels))[:, None]
+    value = (1 - share) * similarity[rows, labels, below % shifts]
+    value += share * similarity[rows, labels, (below + 1) % shifts]
+    lack = np.maximum(similarity.max(axis=(1, 2))[:, None] - value, 0.0) / step
+    cost = lack / (1.0 + lack / SIMILARITY_LIMIT)
+    trust = np.clip(problem.part.cut_distance[problem.part.nodes] / CUT_TRUST, CUT_LEAST, 1.0)
+    cost *= UNARY_WEIGHT * trust[:, None]
+    cost[problem.forbidden[rows, labels]] = 1e3
+    return cost
+
+
+def solve(problem: Problem, labels: Ints, rotations: Floats, *, step: float) -> Labeling:
+    """Choose one of the candidates (k, c) of each node so that the total cost is low."""
+    part, template, edges = problem.part, problem.template, problem.edges
+    angles = problem.directions
+    pairs = np.stack([angles[edges[:, 0], edges[:, 1]], angles[edges[:, 1], edges[:, 0]]], axis=1)
+    shape = (template.label_to_label, template.label_directions)
+    settings = (LENGTH_SIGMA, STRETCH_SIGMA, LIMIT, ANGLE_SIGMA)
+    turns = rotations.astype(np.float32)
+    costs = labeling_costs(edges, problem.measures, labels, turns, pairs, shape, settings)
+    unary = unary_cost(problem, labels, rotations, step).astype(np.float32)
+    count = len(part.nodes)
+    ends = edges.T.ravel()
+    order = np.argsort(ends, kind="stable")
+    incident = np.tile(np.arange(len(edges)), 2)[order]
+    pointers = np.searchsorted(ends[order], np.arange(count + 1))
+    chosen, energy = pass_messages(edges, costs, unary, pointers, incident, ROUNDS)
+    rows = np.arange(count)
+    paid = costs[np.arange(len(edges)), chosen[edges[:, 0]], chosen[edges[:, 1]]]
+    local = _local_cost(problem, paid)
+    return Labeling(labels[rows, chosen], rotations[rows, chosen], local, energy / count)
+
+
+def _edges(between: Floats, rng: np.random.Generator) -> Ints:
+    count = len(between)
+    tied = np.zeros((count, count), dtype=bool)
+    for node in range(count):
+        order = np.argsort(between[node], kind="stable")
+        order = order[(order != node) & np.isfinite(between[node, order])]
+        tied[node, order[:NEAR_NEIGHBORS]] = True
+        rest = order[NEAR_NEIGHBORS:]
+        close = between[node, rest] < MIDDLE_REACH
+        for choice, limit in ((rest[close], MIDDLE_NEIGHBORS), (rest[~close], FAR_NEIGHBORS)):
+            picked = rng.choice(choice, min(limit, len(choice)), replace=False)
+            tied[node, picked.astype(np.int64)] = True
+    first, second = np.nonzero(np.triu(tied | tied.T, 1))
+    return np.stack([first, second], axis=1)
+
+
+def _measures(edges: Ints, part: PartData) -> Floats:
+    cut = part.cut_distance[part.nodes]
+    length = part.between[edges[:, 0], edges[:, 1]]
+    safe = cut[edges[:, 0]] + cut[edges[:, 1]]
+    lower = 0.95 * np.minimum(length, safe)
+    clear = length <= 1.05 * safe  # the heat method is right to a few percent
+    fade = np.exp(-np.maximum(length - safe, 0.0) / CUT_FADE)
+    equality = np.where(clear, 1.0, CUT_SHARE * fade * (length < 0.4))
+    weight = 1.0 / (1.0 + (length / LENGTH_HALF) ** 2)
+    turn = ANGLE_WEIGHT * (length < ANGLE_REACH) * np.where(clear, 1.0, fade)
+    return np.stack([length, lower, equality, weight, turn], axis=1)
+
+
+def _local_cost(problem: Problem, paid: Floats) -> Floats:
+    """Mean unweighted cost of the edges shorter than 0.25 at each node."""
+    count = len(problem.part.nodes)
+    short = problem.measures[:, 0] < 0.25
+    cost = (paid / problem.measures[:, 3])[short]
+    ends = problem.edges[short].T
+    total = sum(np.bincount(end, cost, minlength=count) for end in ends)
+    number = sum(np.bincount(end, minlength=count) for end in ends)
+    result: Floats = total / np.maximum(number, 1)
+    return result

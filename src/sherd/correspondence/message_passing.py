@@ -1,0 +1,151 @@
+"""Compiled message passing: which label for each node, given pair costs?
+
+Kernels on plain arrays; :mod:`sherd.correspondence.labeling` says what the costs mean.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numba
+import numpy as np
+
+__all__ = ["labeling_costs", "pass_messages"]
+
+
+@numba.njit(cache=True, inline="always")
+def _robust(squared, limit):  # type: ignore[no-untyped-def]
+    """Geman-McClure: like `squared` near zero, never above `limit`."""
+    return squared / (1.0 + squared / limit)
+
+
+@numba.njit(cache=True, parallel=True)
+def labeling_costs(edges, measures, labels, rotations, directions, shape, settings):  # type: ignore[no-untyped-def]  # noqa: PLR0913
+    """Cost (e, k, k) float32 of each pair of labels on each edge.
+
+    Parameters
+    ----------
+    edges
+        (e, 2) nodes, first below second.
+    measures
+        (e, 5): length on the part, lower bound on the full shape, share of equality, weight,
+        weight of direction.
+    labels, rotations
+        (nodes, k) candidates of each node.
+    directions
+        (e, 2) angle on the part from first to second, and back.
+    shape
+        (label distances (s, s), label directions (s, s)).
+    settings
+        (sigma at 0, sigma per length, limit, sigma of angle).
+    """
+    distances, full_directions = shape
+    sigma_zero, sigma_slope, limit, sigma_angle = settings
+    count = labels.shape[1]
+    costs = np.empty((len(edges), count, count), np.float32)
+    for edge in numba.prange(len(edges)):
+        first, second = edges[edge]
+        length, lower, equality, weight, turn = measures[edge]
+        scale = 1.0 / (sigma_zero + sigma_slope * length)
+        for a in range(count):
+            at = labels[first, a]
+            out = directions[edge, 0] - rotations[first, a]
+            for b in range(count):
+                to = labels[second, b]
+                distance = distances[at, to]
+                off = (distance - length) * scale
+                cost = _robust(off * off, limit)
+                if equality < 1.0:
+                    # a path along the cut may be longer than on the full shape, never shorter
+                    beyond = max(off, 0.0) + max((lower - distance) * scale, 0.0)
+                    cost = equality * cost + (1.0 - equality) * _robust(beyond * beyond, limit)
+                if turn > 0.0:
+                    if at == to:
+                        cost += turn * limit
+                    else:
+                        back = directions[edge, 1] - rotations[second, b]
+                        u = 2.0 - 2.0 * math.cos(out - full_directions[at, to])
+                        v = 2.0 - 2.0 * math.cos(back - full_directions[to, at])
+                        factor = 1.0 / (sigma_angle * sigma_angle)
+                        cost += turn * (_robust(u * factor, limit) + _robust(v * factor, limit))
+                costs[edge, a, b] = weight * cost
+    return costs
+
+
+@numba.njit(cache=True)
+def pass_messages(edges, costs, unary, pointers, incident, rounds):  # type: ignore[no-untyped-def]  # noqa: PLR0913
+    """Labels (nodes,) of low total cost by sequential tree-reweighted message passing, and the cost.
+
+    `incident[pointers[i]:pointers[i + 1]]` are the edges at node i. Nodes are swept forward and
+    backward `rounds` times; labels are then fixed in order, each given those before it.
+
+    References
+    ----------
+    Kolmogorov, *Convergent tree-reweighted message passing for energy minimization*, 2006,
+    figure 3 with monotonic chains.
+    """
+    nodes, count = unary.shape
+    forward = np.zeros((len(edges), count), np.float32)  # into the second node of an edge
+    backward = np.zeros((len(edges), count), np.float32)  # into the first
+    share = np.ones(nodes, np.float32)
+    for node in range(nodes):
+        later = 0
+        for entry in range(pointers[node], pointers[node + 1]):
+            later += 1 if edges[incident[entry], 0] == node else 0
+        earlier = pointers[node + 1] - pointers[node] - later
+        share[node] = 1.0 / max(later, earlier, 1)
+    total = np.empty(count, np.float32)
+    for sweep in range(2 * rounds):
+        ahead = sweep % 2 == 0
+        for step in range(nodes):
+            node = step if ahead else nodes - 1 - step
+            _gather(node, edges, unary, pointers, incident, (forward, backward), total)
+            for entry in range(pointers[node], pointers[node + 1]):
+                edge = incident[entry]
+                if ahead and edges[edge, 0] == node:
+                    _send(costs[edge], share[node] * total - backward[edge], forward[edge])
+                elif not ahead and edges[edge, 1] == node:
+                    _send(costs[edge].T, share[node] * total - forward[edge], backward[edge])
+    return _decode(edges, costs, unary, pointers, incident, backward)
+
+
+@numba.njit(cache=True)
+def _gather(node, edges, unary, pointers, incident, messages, total):  # type: ignore[no-untyped-def]  # noqa: PLR0913
+    forward, backward = messages
+    total[:] = unary[node]
+    for entry in range(pointers[node], pointers[node + 1]):
+        edge = incident[entry]
+        if edges[edge, 0] == node:
+            total += backward[edge]
+        else:
+            total += forward[edge]
+
+
+@numba.njit(cache=True)
+def _send(cost, rest, message):  # type: ignore[no-untyped-def]
+    """`message[b] = min over a of rest[a] + cost[a, b]`, shifted so that its minimum is 0."""
+    message[:] = np.inf
+    for a in range(cost.shape[0]):
+        for b in range(cost.shape[1]):
+            message[b] = min(message[b], rest[a] + cost[a, b])
+    message -= message.min()
+
+
+@numba.njit(cache=True)
+def _decode(edges, costs, unary, pointers, incident, backward):  # type: ignore[no-untyped-def]  # noqa: PLR0913
+    nodes = len(unary)
+    chosen = np.zeros(nodes, np.int64)
+    energy = 0.0
+    for node in range(nodes):
+        total = unary[node].copy()
+        fixed = unary[node].copy()
+        for entry in range(pointers[node], pointers[node + 1]):
+            edge = incident[entry]
+            if edges[edge, 0] == node:
+                total += backward[edge]
+            else:
+                total += costs[edge, chosen[edges[edge, 0]]]
+                fixed += costs[edge, chosen[edges[edge, 0]]]
+        chosen[node] = np.argmin(total)
+        energy += fixed[chosen[node]]
+    return chosen, energy

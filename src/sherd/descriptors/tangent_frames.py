@@ -1,0 +1,119 @@
+"""Tangent frames of a surface, and the direction in which geodesics leave a point.
+
+A frame is a unit axis `z` (the smoothed normal) and a unit axis `x` perpendicular to it; the
+angle of a tangent direction is counted from `x` towards `z cross x`, seen from outside.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+from scipy.sparse.linalg import splu
+
+from sherd.mesh.geometry import face_cross
+from sherd.mesh.triangle_mesh import TriangleMesh
+from sherd.spectral.operators import stiffness
+
+__all__ = ["geodesic_directions", "smoothed_normals", "tangent_axes"]
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+def smoothed_normals(mesh: TriangleMesh, width: float) -> Floats:
+    """Unit vertex normals (n, 3) after heat flow of standard deviation `width` (mesh length).
+
+    One implicit step `(A + t W) N = A N0` with `t = width^2 / 2`: the amount of smoothing is
+    a length, so two meshings of one surface get the same normals. Cotangents below zero are
+    raised to zero, which keeps every result inside the cone of the normals that it averages.
+    """
+    weak = stiffness(mesh.vertices, mesh.faces).tocoo()
+    off = (weak.row != weak.col) & (weak.data < 0)
+    graph = sparse.coo_array(
+        (-weak.data[off], (weak.row[off], weak.col[off])), shape=weak.shape
+    ).tocsr()
+    areas = np.maximum(mesh.vertex_areas, 1e-12 * mesh.area / mesh.vertex_count)
+    laplacian = sparse.diags_array(np.asarray(graph.sum(axis=1)).ravel()) - graph
+    system = sparse.csc_array(sparse.diags_array(areas) + 0.5 * width**2 * laplacian)
+    factor = splu(
+        system, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
+    )
+    smooth = factor.solve(areas[:, None] * mesh.vertex_normals)
+    length = np.linalg.norm(smooth, axis=1, keepdims=True)
+    upright = np.array([0.0, 0.0, 1.0])  # any axis will do where no face gives a normal
+    return np.where(length > 0, smooth / np.where(length > 0, length, 1.0), upright)
+
+
+def tangent_axes(normals: Floats, reference: Floats) -> Floats:
+    """Unit vectors (n, 3) perpendicular to `normals` and closest to `reference` (n, 3).
+
+    Where the reference is nearly parallel to the normal, the coordinate axis most perpendicular
+    to the normal takes its place.
+    """
+    flat = reference - (reference * normals).sum(axis=1, keepdims=True) * normals
+    length = np.linalg.norm(flat, axis=1, keepdims=True)
+    spare = np.cross(normals, np.eye(3)[np.abs(normals).argmin(axis=1)])
+    chosen = np.where(length < 1e-3, spare, flat)
+    result: Floats = chosen / np.linalg.norm(chosen, axis=1, keepdims=True)
+    return result
+
+
+def geodesic_directions(
+    mesh: TriangleMesh,
+    samples: Ints,
+    distances: NDArray[np.floating],
+    *,
+    x_axes: Floats,
+    z_axes: Floats,
+    near: float,
+) -> NDArray[np.float32]:
+    """Angle (s, s) in radians at which the geodesic from sample i to sample j leaves sample i.
+
+    The direction is minus the gradient of the distance to j, averaged over the faces at i. Closer
+    than `near` (mesh length), where the gradient of a distance is poor, the chord takes its place.
+
+    Parameters
+    ----------
+    mesh
+        The surface.
+    samples
+        (s,) vertices.
+    distances
+        (s, n) geodesic distance from each sample; infinite entries give meaningless angles.
+    x_axes, z_axes
+        (s, 3) tangent frame at each sample.
+    near
+        Below this distance the chord is used.
+    """
+    side = np.cross(z_axes, x_axes)
+    along = _sample_gradient(mesh, samples, x_axes)
+    across = _sample_gradient(mesh, samples, side)
+    finite = np.where(np.isfinite(distances), distances, 0.0).T.astype(np.float64)
+    down_x, down_y = -(along @ finite), -(across @ finite)
+    chords = mesh.vertices[samples][None] - mesh.vertices[samples][:, None]
+    close = distances[:, samples].T < near
+    down_x = np.where(close, np.einsum("ijc,ic->ij", chords, x_axes), down_x)
+    down_y = np.where(close, np.einsum("ijc,ic->ij", chords, side), down_y)
+    return np.arctan2(down_y, down_x).astype(np.float32)
+
+
+def _sample_gradient(mesh: TriangleMesh, samples: Ints, axes: Floats) -> sparse.csr_array:
+    """Area-weighted derivative along `axes` at each sample, up to a positive factor per sample."""
+    row_of = np.full(mesh.vertex_count, -1, dtype=np.int64)
+    row_of[samples] = np.arange(len(samples))
+    normals = face_cross(mesh.vertices, mesh.faces)
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
+    rows, columns, values = [], [], []
+    for at in range(3):
+        faces = np.flatnonzero(row_of[mesh.faces[:, at]] >= 0)
+        row = row_of[mesh.faces[faces, at]]
+        corners = mesh.faces[faces]
+        for corner in range(3):
+            tail, head = corners[:, (corner + 1) % 3], corners[:, (corner + 2) % 3]
+            slope = np.cross(normals[faces], mesh.vertices[head] - mesh.vertices[tail])
+            rows.append(row)
+            columns.append(corners[:, corner])
+            values.append((slope * axes[row]).sum(axis=1))
+    entries = (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns)))
+    return sparse.coo_array(entries, shape=(len(samples), mesh.vertex_count)).tocsr()

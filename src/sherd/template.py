@@ -1,0 +1,187 @@
+"""Template: all that depends on the full shape alone, made once and saved."""
+
+from __future__ import annotations
+
+import io
+import os
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sherd.descriptors.rotation_shot import rotation_spectra
+from sherd.descriptors.tangent_frames import geodesic_directions, smoothed_normals, tangent_axes
+from sherd.errors import MeshFileError
+from sherd.mesh.triangle_mesh import TriangleMesh
+from sherd.output import write_bytes
+from sherd.spectral.basis import EigenBasis, eigenbasis
+from sherd.spectral.geodesics import Geodesics
+from sherd.spectral.sampling import farthest_point_sample
+
+__all__ = ["AXIS_WIDTH", "NEAR", "RADII", "Template", "canonical"]
+
+Floats = NDArray[np.float64]
+Singles = NDArray[np.float32]
+Ints = NDArray[np.int64]
+
+# All lengths are in units of sqrt(area of the full shape).
+# Neighborhoods from the smallest that holds some 40 vertices of a 10,000-vertex mesh to the
+# width of a limb; larger ones meet the cut too often and change with the pose.
+RADII = (0.04, 0.06, 0.10)
+# The normal axis must not see single vertices (spacing 0.01 at 10,000 vertices) but still turn
+# with the smallest neighborhood.
+AXIS_WIDTH = 0.012
+# Closer than this the gradient of a geodesic distance is unreliable: a few vertex spacings.
+NEAR = 0.07
+# 1,200 labels lie 0.03 apart, below the smallest radius; 700 were too few to pin directions.
+LABEL_COUNT = 1200
+BASIS_SIZE = 160
+
+
+class Template:
+    """What matching needs to know about the full shape, computed on first use and kept.
+
+    Everything below is stated in units of `length = sqrt(area of full)`, so that neither the unit of
+    the file nor a scaling of both shapes matters.
+
+    Parameters
+    ----------
+    full
+        The full shape.
+
+    Attributes
+    ----------
+    unit
+        The full shape scaled to area 1, its center at the origin, turned to its principal axes.
+    label_vertices, label_distances, label_directions
+        (s,) vertices that stand for all others, farthest-point samples; (s, n) float32 geodesic
+        distances; (s, s) float32 angles at which geodesics leave a label for another.
+    cells
+        (n,) the label nearest to each vertex.
+    normals, x_axes
+        (n, 3) tangent frame of each vertex.
+    spectra
+        (5, n, 2 c) float32, see :mod:`sherd.descriptors.rotation_shot`.
+    basis
+        The first eigenpairs of the unit shape.
+
+    Examples
+    --------
+    >>> from sherd.shapes.creature import creature
+    >>> template = Template(creature(2000))
+    >>> round(template.unit.area, 6)
+    1.0
+    """
+
+    def __init__(self, full: TriangleMesh) -> None:
+        self.full = full
+
+    @cached_property
+    def unit(self) -> TriangleMesh:
+        """The full shape scaled to area 1, turned to its principal axes."""
+        return canonical(self.full, self.length)
+
+    @property
+    def length(self) -> float:
+        """sqrt(area) of the full shape, in its own unit."""
+        return self.full.length
+
+    @cached_property
+    def basis(self) -> EigenBasis:
+        """The first eigenpairs of the unit shape."""
+        return eigenbasis(self.unit, BASIS_SIZE)
+
+    @cached_property
+    def geodesics(self) -> Geodesics:
+        """The geodesic solver of the unit shape."""
+        return Geodesics(self.unit)
+
+    @cached_property
+    def _labels(self) -> tuple[Ints, Singles]:
+        count = min(LABEL_COUNT, len(np.unique(self.unit.faces)))
+        # the start is the vertex farthest from the center: it does not depend on numbering
+        start = int(np.linalg.norm(self.unit.vertices, axis=1).argmax())
+        vertices, distances = farthest_point_sample(self.geodesics, count, start=start)
+        return vertices, distances.astype(np.float32)
+
+    @property
+    def label_vertices(self) -> Ints:
+        """(s,) vertices that stand for all others."""
+        return self._labels[0]
+
+    @property
+    def label_distances(self) -> Singles:
+        """(s, n) geodesic distance from each label."""
+        return self._labels[1]
+
+    @cached_property
+    def label_to_label(self) -> Singles:
+        """(s, s) geodesic distances between the labels."""
+        between = self.label_distances[:, self.label_vertices]
+        return np.ascontiguousarray(np.minimum(between, between.T))
+
+    @cached_property
+    def cells(self) -> Ints:
+        """(n,) the label nearest to each vertex."""
+        nearest = self.label_distances.argmin(axis=0)
+        nearest[self.label_vertices] = np.arange(len(self.label_vertices))
+        return nearest
+
+    @cached_property
+    def normals(self) -> Floats:
+        """(n, 3) smoothed unit normals."""
+        return smoothed_normals(self.unit, AXIS_WIDTH)
+
+    @cached_property
+    def x_axes(self) -> Floats:
+        """(n, 3) first tangent axis, nearly parallel within each cell."""
+        labels = self.label_vertices
+        reference = np.tile([1.0, 0.3, 0.2], (len(labels), 1))
+        axes = tangent_axes(self.normals[labels], reference)
+        return tangent_axes(self.normals, axes[self.cells])
+
+    @cached_property
+    def label_directions(self) -> Singles:
+        """(s, s) angle of the geodesic from label to label, in the frame of the first."""
+        labels = self.label_vertices
+        return geodesic_directions(
+            self.unit,
+            labels,
+            self.label_distances,
+            x_axes=self.x_axes[labels],
+            z_axes=self.normals[labels],
+            near=NEAR,
+        )
+
+    @cached_property
+    def spectra(self) -> Singles:
+        """(5, n, 2 c) rotation-searched SHOT of every vertex."""
+        return self.spectra_within(np.ones(self.unit.vertex_count))
+
+    def spectra_within(self, membership: NDArray[np.floating]) -> Singles:
+        """Spectra of every vertex when only the area inside `membership` (n,) can be seen."""
+        return rotation_spectra(
+            self.unit.vertices,
+            self.normals,
+            self.unit.vertex_areas * membership,
+            np.arange(self.unit.vertex_count),
+            x_axes=self.x_axes,
+            z_axes=self.normals,
+            radii=RADII,
+        )
+
+
+def canonical(mesh: TriangleMesh, length: float) -> TriangleMesh:
+    """`mesh` divided by `length`, its center at the origin, its principal axes the coordinates.
+
+    The signs of the axes make the third moments positive, up to the last, which keeps the shape's
+    handedness. So a motion of the file changes what follows by rounding errors only.
+    """
+    areas = mesh.vertex_areas / mesh.area
+    centered = (mesh.vertices - areas @ mesh.vertices) / length
+    _, axes = np.linalg.eigh(centered.T @ (areas[:, None] * centered))
+    axes *= np.where(areas @ (centered @ axes) ** 3 < 0, -1.0, 1.0)
+    axes[:, 0] *= np.sign(np.linalg.det(axes))
+    return TriangleMesh(centered @ axes, mesh.faces, name=mesh.name)
