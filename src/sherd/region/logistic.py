@@ -238,7 +238,9 @@ def area_shift(
         high = np.where(excess > 0, shift, high)
         low = np.where(excess < 0, shift, low)
         slope = areas @ (u * (1 - u))
-        step = np.divide(excess, slope, out=np.full_like(excess, np.inf), where=slope > 0)
+        # a Newton step of more than 1e6 would leave the bracket anyway
+        usable = slope * 1e6 > np.abs(excess)
+        step = np.divide(excess, slope, out=np.full_like(excess, np.inf), where=usable)
         newton = shift - step
         inside = (newton > low) & (newton < high)
         shift = np.where(inside, newton, 0.5 * (low + high)).astype(scores.dtype)
@@ -266,8 +268,6 @@ class _SigmoidEnergy:
 
     def memberships(self, points: Floats, columns: NDArray[np.int64]) -> NDArray[Any]:
         scores = self._vectors @ points.astype(self._vectors.dtype)
-        if len(self._shift) != points.shape[1] and len(columns) == points.shape[1]:
-            self._shift = np.zeros(points.shape[1], dtype=scores.dtype)
         guess = self._shift[columns]
         self._shift[columns] = area_shift(scores, self._areas, self._problem.part_area, guess)
         return _sigmoid(scores + self._shift[columns])
@@ -276,6 +276,8 @@ class _SigmoidEnergy:
         self, points: Floats, fields: Floats, crispness: float, evaluations: int, tolerance: float
     ) -> ColumnMinima:
         edge_weights = self._energy.edge_weights(fields)
+        if len(self._shift) != points.shape[1]:
+            self._shift = np.zeros(points.shape[1], dtype=self._vectors.dtype)
 
         def objective(trial: Floats, columns: NDArray[np.int64]) -> tuple[Floats, Floats]:
             u = self.memberships(trial, columns)
