@@ -1,0 +1,1 @@
+"""Floor 4: heat kernel, wave kernel, SHOT, vocabulary."""
