@@ -8,7 +8,14 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["barycentric_vertex_areas", "edge_lengths", "face_areas", "face_cross", "face_normals", "vertex_normals"]
+__all__ = [
+    "barycentric_vertex_areas",
+    "edge_lengths",
+    "face_areas",
+    "face_cross",
+    "face_normals",
+    "vertex_normals",
+]
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -34,16 +41,17 @@ def face_normals(vertices: Floats, faces: Ints) -> Floats:
 def barycentric_vertex_areas(vertices: Floats, faces: Ints) -> Floats:
     """A third of the area of the faces at each vertex, (n,) l^2; sums to the total area."""
     thirds = np.repeat(face_areas(vertices, faces) / 3.0, 3)
-    return np.bincount(faces.ravel(), thirds, minlength=len(vertices))
+    areas: Floats = np.bincount(faces.ravel(), thirds, minlength=len(vertices)).astype(np.float64)
+    return areas
 
 
 def vertex_normals(vertices: Floats, faces: Ints) -> Floats:
     """Area-weighted unit normal of each vertex, (n, 3); zero where no face gives one."""
     cross = np.repeat(face_cross(vertices, faces), 3, axis=0)
     corner = faces.ravel()
-    total = np.stack(
+    total: Floats = np.stack(
         [np.bincount(corner, cross[:, axis], minlength=len(vertices)) for axis in range(3)], axis=1
-    )
+    ).astype(np.float64)
     return _normalized(total)
 
 
@@ -57,4 +65,5 @@ def edge_lengths(vertices: Floats, faces: Ints) -> Floats:
 
 def _normalized(rows: Floats) -> Floats:
     length = np.linalg.norm(rows, axis=1, keepdims=True)
-    return np.divide(rows, length, out=np.zeros_like(rows), where=length > 0)
+    unit: Floats = np.divide(rows, length, out=np.zeros_like(rows), where=length > 0)
+    return unit

@@ -78,7 +78,8 @@ class SurfacePoints:
     def nearest_vertices(self, mesh: TriangleMesh) -> NDArray[np.int64]:
         """The corner with the largest weight, (p,)."""
         corners = mesh.faces[self.faces]
-        return corners[np.arange(len(self)), self.barycentric.argmax(axis=1)]
+        nearest: NDArray[np.int64] = corners[np.arange(len(self)), self.barycentric.argmax(axis=1)]
+        return nearest
 
 
 def points_at_vertices(mesh: TriangleMesh, vertices: ArrayLike) -> SurfacePoints:
@@ -99,7 +100,8 @@ def points_at_vertices(mesh: TriangleMesh, vertices: ArrayLike) -> SurfacePoints
     if outside.any():
         row = int(np.argmax(outside))
         raise InvalidMeshError(
-            f"vertices[{row}] = {wanted[row]}, but {mesh.name} has vertices 0..{mesh.vertex_count - 1}"
+            f"vertices[{row}] = {wanted[row]}, but {mesh.name} has vertices "
+            f"0..{mesh.vertex_count - 1}"
         )
     if (face_of[wanted] < 0).any():
         row = int(np.argmax(face_of[wanted] < 0))
@@ -109,7 +111,9 @@ def points_at_vertices(mesh: TriangleMesh, vertices: ArrayLike) -> SurfacePoints
     return SurfacePoints(face_of[wanted], weights)
 
 
-def closest_points(mesh: TriangleMesh, positions: ArrayLike, *, neighbors: int = 12) -> SurfacePoints:
+def closest_points(
+    mesh: TriangleMesh, positions: ArrayLike, *, neighbors: int = 12
+) -> SurfacePoints:
     """The point of `mesh` closest to each position (p, 3), among the faces at near vertices.
 
     Faces around the `neighbors` nearest face centers are searched, which is exact wherever
@@ -136,7 +140,9 @@ def closest_points(mesh: TriangleMesh, positions: ArrayLike, *, neighbors: int =
     return SurfacePoints(best_face, best_weights)
 
 
-def _closest_weights(points: NDArray[np.float64], corners: NDArray[np.float64]) -> NDArray[np.float64]:
+def _closest_weights(
+    points: NDArray[np.float64], corners: NDArray[np.float64]
+) -> NDArray[np.float64]:
     """Barycentric weights of the closest point of each triangle (p, 3, 3) to each point."""
     a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
     ab, ac, ap = b - a, c - a, points - a
@@ -154,7 +160,9 @@ def _closest_weights(points: NDArray[np.float64], corners: NDArray[np.float64]) 
     return inside
 
 
-def _closest_on_edges(points: NDArray[np.float64], corners: NDArray[np.float64]) -> NDArray[np.float64]:
+def _closest_on_edges(
+    points: NDArray[np.float64], corners: NDArray[np.float64]
+) -> NDArray[np.float64]:
     best = np.full(len(points), np.inf)
     weights = np.zeros((len(points), 3))
     for first, second in ((0, 1), (1, 2), (2, 0)):

@@ -17,7 +17,8 @@ Ints = NDArray[np.int64]
 
 def half_edges(faces: Ints) -> Ints:
     """The three directed edges of each face, (3m, 2), face after face."""
-    return faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
+    halves: Ints = faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
+    return halves
 
 
 def unique_edges(faces: Ints) -> tuple[Ints, Ints]:

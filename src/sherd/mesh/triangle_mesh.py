@@ -65,7 +65,9 @@ class TriangleMesh:
         # a frozen dataclass sets its own fields this way
         object.__setattr__(self, "vertices", checked)
         object.__setattr__(self, "faces", checked_faces(faces, len(checked)))
-        stored = {key: checked_field(key, value, len(checked)) for key, value in (fields or {}).items()}
+        stored = {
+            key: checked_field(key, value, len(checked)) for key, value in (fields or {}).items()
+        }
         object.__setattr__(self, "fields", MappingProxyType(stored))
         object.__setattr__(self, "name", name)
 

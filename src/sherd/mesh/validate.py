@@ -13,8 +13,8 @@ from sherd.errors import InvalidMeshError
 
 __all__ = ["checked_faces", "checked_field", "checked_vertices", "frozen"]
 
-# Squares and products of coordinates must stay finite in float64 with room to spare.
-LARGEST_COORDINATE = 1e100
+# Squared areas are fourth powers of lengths, and (1e70)^4 = 1e280 is still a float64.
+LARGEST_COORDINATE = 1e70
 
 
 def frozen(array: NDArray[np.generic]) -> NDArray[np.generic]:
@@ -30,7 +30,7 @@ def checked_vertices(vertices: ArrayLike) -> NDArray[np.float64]:
     Raises
     ------
     InvalidMeshError
-        If the shape is not (n, 3) or a coordinate is NaN, infinite or beyond 1e100.
+        If the shape is not (n, 3) or a coordinate is NaN, infinite or beyond 1e70.
     """
     array = _as_array(vertices, np.float64, "vertices")
     if array.ndim != 2 or array.shape[1] != 3:
@@ -57,7 +57,7 @@ def checked_faces(faces: ArrayLike, vertex_count: int) -> NDArray[np.int64]:
     raw = np.asarray(faces)
     if raw.dtype.kind == "f" and raw.size and not np.array_equal(raw, np.round(raw)):
         raise InvalidMeshError("faces holds fractions, but vertex indices are whole numbers")
-    array = _as_array(raw, np.int64, "faces")
+    array: NDArray[np.int64] = _as_array(raw, np.int64, "faces").astype(np.int64, copy=False)
     if array.ndim != 2 or array.shape[1] != 3:
         if array.size == 0:
             raise InvalidMeshError(_NO_FACES)
@@ -105,7 +105,7 @@ def _as_array(values: ArrayLike, kind: type, name: str) -> NDArray[np.generic]:
 
 def _private(array: NDArray[np.generic], source: ArrayLike) -> NDArray:  # type: ignore[type-arg]
     """Read-only, and never sharing memory with a caller who could still write to it."""
-    if array is source or np.may_share_memory(array, np.asarray(source)):
-        if array.flags.writeable or array.base is not None:
-            array = array.copy()
+    shared = array is source or np.may_share_memory(array, np.asarray(source))
+    if shared and (array.flags.writeable or array.base is not None):
+        array = array.copy()
     return frozen(array)

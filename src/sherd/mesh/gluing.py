@@ -1,0 +1,205 @@
+"""Which faces belong together at an edge: pairs, fans, sheets and orientation, on arrays.
+
+A half-edge is a directed side of a face, numbered 3 * face + side; corner 3 * face + side is
+where it starts. `faces` is (m, 3) int64 without repeated indices.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+from scipy.sparse import csgraph
+from scipy.spatial import cKDTree
+
+from sherd.mesh import geometry
+
+__all__ = [
+    "coincident_classes",
+    "edge_groups",
+    "end_corners",
+    "face_pairs",
+    "fans",
+    "orientation_flips",
+    "same_direction",
+]
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Bools = NDArray[np.bool_]
+
+# More sheets at one edge come from damaged files, and the pairs to compare grow with the square.
+_MOST_SHEETS = 16
+
+
+def end_corners(half_edges: Ints) -> Ints:
+    """Corner at which each half-edge ends; it starts at the corner of its own number."""
+    ends: Ints = half_edges - half_edges % 3 + (half_edges + 1) % 3
+    return ends
+
+
+def edge_groups(faces: Ints) -> tuple[Ints, Ints]:
+    """Edge of each half-edge (3m,), and the number of half-edges of each edge (e,)."""
+    start = faces.ravel()
+    end = faces[:, [1, 2, 0]].ravel()
+    count = int(start.max(initial=0)) + 1
+    key = np.minimum(start, end) * count + np.maximum(start, end)
+    _, group, uses = np.unique(key, return_inverse=True, return_counts=True)
+    return group.ravel(), uses.astype(np.int64)
+
+
+def same_direction(faces: Ints, pairs: Ints) -> Bools:
+    """Pairs of half-edges (p, 2) that run the same way: their faces are oriented differently."""
+    flat = faces.ravel()
+    same: Bools = flat[pairs[:, 0]] == flat[pairs[:, 1]]
+    return same
+
+
+def face_pairs(vertices: Floats, faces: Ints, *, among: Bools | None = None) -> Ints:
+    """Pairs of half-edges (p, 2) at which two faces continue each other.
+
+    Where more than two faces meet at an edge, the two that continue each other most smoothly
+    become a pair, then the next two: crossing sheets stay sheets, and a fin comes off.
+
+    Parameters
+    ----------
+    vertices, faces
+        (n, 3) and (m, 3).
+    among
+        (3m,) half-edges to look at; all if None.
+    """
+    group, uses = edge_groups(faces)
+    if among is not None:
+        uses = np.bincount(group[among], minlength=len(uses))
+    eligible = np.ones(len(group), dtype=bool) if among is None else among
+    half = np.flatnonzero(eligible & (uses[group] >= 2) & (uses[group] <= _MOST_SHEETS))
+    half = half[np.argsort(group[half], kind="stable")]
+    simple = half[uses[group[half]] == 2].reshape(-1, 2)
+    crowded = half[uses[group[half]] > 2]
+    if not len(crowded):
+        return simple
+    return np.vstack([simple, _smoothest(vertices, faces, crowded, group[crowded])])
+
+
+def _smoothest(vertices: Floats, faces: Ints, half: Ints, group: Ints) -> Ints:
+    """Pair half-edges (sorted by group) greedily by the smoothness of the continuation."""
+    candidates = _pairs_within(half, group)
+    normals = geometry.face_normals(vertices, faces)
+    smooth = np.einsum("pc,pc->p", normals[candidates[:, 0] // 3], normals[candidates[:, 1] // 3])
+    smooth = np.where(same_direction(faces, candidates), -smooth, smooth)
+    return _greedy(candidates, smooth)
+
+
+def _pairs_within(half: Ints, group: Ints) -> Ints:
+    starts = np.flatnonzero(np.concatenate([[True], group[1:] != group[:-1]]))
+    sizes = np.diff(np.append(starts, len(half)))
+    pieces = []
+    for size in np.unique(sizes):
+        rows = half[starts[sizes == size][:, None] + np.arange(size)]
+        first, second = np.triu_indices(size, 1)
+        pieces.append(np.stack([rows[:, first].ravel(), rows[:, second].ravel()], axis=1))
+    return np.vstack(pieces)
+
+
+def _greedy(candidates: Ints, score: Floats) -> Ints:
+    """Best pair first, each half-edge once."""
+    chosen = []
+    used: set[int] = set()
+    order = np.lexsort((candidates[:, 1], candidates[:, 0], -score))
+    for first, second in candidates[order].tolist():
+        if first not in used and second not in used:
+            used.update((first, second))
+            chosen.append((first, second))
+    return np.array(chosen, dtype=np.int64).reshape(-1, 2)
+
+
+def fans(faces: Ints, pairs: Ints) -> Ints:
+    """Fan of each corner (3m,): corners at one vertex whose faces are joined by `pairs`."""
+    same = same_direction(faces, pairs)
+    start, end = pairs, end_corners(pairs)
+    joined_start = np.where(same, start[:, 1], end[:, 1])
+    joined_end = np.where(same, end[:, 1], start[:, 1])
+    rows = np.concatenate([start[:, 0], end[:, 0]])
+    columns = np.concatenate([joined_start, joined_end])
+    return _components(rows, columns, faces.size)
+
+
+def coincident_classes(vertices: Floats, tolerance: float) -> Ints:
+    """Class (n,) of each vertex, equal for vertices within `tolerance` (l), numbered as found."""
+    rounded = vertices + 0.0  # -0.0 becomes 0.0
+    order = np.lexsort(rounded.T)
+    differs = np.any(rounded[order[1:]] != rounded[order[:-1]], axis=1)
+    classes = np.empty(len(vertices), dtype=np.int64)
+    classes[order] = np.concatenate([[0], np.cumsum(differs)])
+    if tolerance > 0 and len(vertices) > 1:
+        places = rounded[order[np.concatenate([[True], differs])]]
+        close = cKDTree(places).query_pairs(tolerance, output_type="ndarray").astype(np.int64)
+        classes = _components(close[:, 0], close[:, 1], len(places))[classes]
+    return classes
+
+
+def orientation_flips(
+    vertices: Floats, faces: Ints, pairs: Ints
+) -> tuple[Bools, Ints, Bools]:
+    """Faces to turn so that each sheet is oriented consistently, and outward where it is closed.
+
+    In each sheet the smaller area turns. A closed sheet of negative volume turns as a whole,
+    unless it lies in the box of the largest closed sheet, where it may be a cavity.
+
+    Returns
+    -------
+    flips : (m,) bool
+    sheets : (m,) int
+        Sheet of each face.
+    one_sided : (m,) bool
+        Faces of sheets without two sides, such as a Moebius strip; they are left alone.
+    """
+    count = len(faces)
+    first, second = pairs[:, 0] // 3, pairs[:, 1] // 3
+    cross = np.where(same_direction(faces, pairs), count, 0)
+    # every face appears as it is and turned over: a sheet without two sides joins both
+    labels = _components(
+        np.concatenate([first, first + count]),
+        np.concatenate([second + cross, second + count - cross]),
+        2 * count,
+    )
+    one_sided = labels[:count] == labels[count:]
+    sheet_key = np.minimum(labels[:count], labels[count:])
+    _, sheets = np.unique(sheet_key, return_inverse=True)
+    upright = labels[:count] == sheet_key
+    areas = geometry.face_areas(vertices, faces)
+    balance = np.bincount(sheets, np.where(upright, areas, -areas))
+    flips = (upright != (balance >= 0)[sheets]) & ~one_sided
+    return flips ^ _inward(vertices, faces, pairs, (flips, sheets, one_sided)), sheets, one_sided
+
+
+def _inward(
+    vertices: Floats, faces: Ints, pairs: Ints, oriented: tuple[Bools, Ints, Bools]
+) -> Bools:
+    """Faces of closed sheets that enclose a negative volume once `flips` are applied."""
+    flips, sheets, one_sided = oriented
+    free = np.ones(faces.size, dtype=bool)
+    free[pairs.ravel()] = False
+    count = int(sheets.max()) + 1
+    closed = np.ones(count, dtype=bool)
+    closed[sheets[np.flatnonzero(free) // 3]] = False
+    closed[sheets[one_sided]] = False
+    corners = (vertices - vertices.mean(axis=0))[faces]
+    volumes = np.einsum("mc,mc->m", corners[:, 0], np.cross(corners[:, 1], corners[:, 2]))
+    volume = np.bincount(sheets, np.where(flips, -volumes, volumes))
+    inward = closed & (volume < 0)
+    if inward.any() and count > 1:
+        low, high = np.full((count, 3), np.inf), np.full((count, 3), -np.inf)
+        np.minimum.at(low, sheets, corners.min(axis=1))
+        np.maximum.at(high, sheets, corners.max(axis=1))
+        largest = int(np.argmax(np.where(closed, np.abs(volume), -1.0)))
+        inside = ((low > low[largest]) & (high < high[largest])).all(axis=1)
+        inward &= ~inside
+    result: Bools = inward[sheets]
+    return result
+
+
+def _components(rows: Ints, columns: Ints, count: int) -> Ints:
+    graph = sparse.coo_array((np.ones(len(rows), dtype=np.int8), (rows, columns)), (count, count))
+    _, labels = csgraph.connected_components(graph.tocsr(), directed=False)
+    return labels.astype(np.int64)
