@@ -1,0 +1,94 @@
+"""The legend of a picture: a color bar with numbers, or swatches with names."""
+
+from __future__ import annotations
+
+import numpy as np
+from PIL import ImageDraw, ImageFont
+
+from sherd.report.colors import CATEGORY_COLORS, MASK_COLORS, color_table
+from sherd.report.exhibit import Layer
+
+__all__ = ["draw_legend", "ticks"]
+
+Color = tuple[int, int, int, int]
+
+
+def ticks(low: float, high: float, *, most: int = 6) -> list[float]:
+    """Round numbers in [low, high], at most about `most` of them.
+
+    Examples
+    --------
+    >>> ticks(0.0, 1.0)
+    [0.0, 0.2, 0.4, 0.6, 0.8, 1.0]
+    """
+    raw = (high - low) / (most - 1)
+    power = 10.0 ** np.floor(np.log10(raw))
+    step = power * next(nice for nice in (1, 2, 2.5, 5, 10) if nice * power >= raw * (1 - 1e-9))
+    first, last = np.ceil(low / step - 1e-9), np.floor(high / step + 1e-9)
+    return [float(f"{index * step:.12g}") + 0.0 for index in np.arange(first, last + 1)]
+
+
+def draw_legend(
+    draw: ImageDraw.ImageDraw,
+    layer: Layer | None,
+    *,
+    box: tuple[int, int, int],
+    unit: float,
+    inks: tuple[Color, Color],
+) -> None:
+    """Draw the legend of `layer` into `box` (left, top, width), `unit` pixels per point."""
+    if layer is None:
+        return
+    ink, gray = inks
+    left, top, width = box
+    small = ImageFont.load_default(size=max(8.0, round(20 * unit)))
+    heading = layer.name + (f" [{layer.unit}]" if layer.unit else "")
+    middle = left + width // 2
+    if layer.kind == "scalar":
+        _draw_bar(draw, layer, box=box, unit=unit, ink=gray)
+        draw.text((middle, top + 62 * unit), heading, fill=ink, font=small, anchor="mm")
+        return
+    if layer.kind == "color":
+        words = layer.description or heading
+        draw.text((middle, top + 12 * unit), words, fill=ink, font=small, anchor="mm")
+        return
+    entries = _entries(layer)
+    widths = [30 * unit + draw.textlength(name, font=small) + 36 * unit for name, _ in entries]
+    place = middle - sum(widths) / 2
+    for (name, color), extent in zip(entries, widths, strict=True):
+        square = (place, top, place + 22 * unit, top + 22 * unit)
+        draw.rounded_rectangle(square, radius=4 * unit, fill=(*color, 255))
+        draw.text((place + 32 * unit, top + 11 * unit), name, fill=gray, font=small, anchor="lm")
+        place += extent
+    draw.text((middle, top + 50 * unit), heading, fill=ink, font=small, anchor="mm")
+
+
+def _entries(layer: Layer) -> list[tuple[str, tuple[int, int, int]]]:
+    if layer.kind == "mask":
+        return [("outside", MASK_COLORS[0]), ("inside", MASK_COLORS[1])]
+    present = [int(value) for value in np.unique(layer.values) if value >= 0][:8]
+    names = [layer.labels[k] if k < len(layer.labels) else str(k) for k in present]
+    return [
+        (name, CATEGORY_COLORS[k % len(CATEGORY_COLORS)])
+        for name, k in zip(names, present, strict=True)
+    ]
+
+
+def _draw_bar(
+    draw: ImageDraw.ImageDraw, layer: Layer, *, box: tuple[int, int, int], unit: float, ink: Color
+) -> None:
+    left, top, width = box
+    low, high = layer.limits
+    table = color_table(layer.color_map)
+    for column in range(width):
+        red, green, blue = table[round(column * (len(table) - 1) / (width - 1))].tolist()
+        draw.line(
+            (left + column, top, left + column, top + 18 * unit), fill=(red, green, blue, 255)
+        )
+    font = ImageFont.load_default(size=max(8.0, round(18 * unit)))
+    for value in ticks(low, high):
+        place = left + (value - low) / (high - low) * (width - 1)
+        draw.line(
+            (place, top + 18 * unit, place, top + 24 * unit), fill=ink, width=max(1, round(unit))
+        )
+        draw.text((place, top + 36 * unit), f"{value:g}", fill=ink, font=font, anchor="mm")

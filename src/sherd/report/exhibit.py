@@ -1,0 +1,281 @@
+"""Exhibit: two shapes with colored layers, a map between them and words, ready to be shown.
+
+The report knows nothing of how a result was made: whoever has one fills an Exhibit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, Literal, get_args
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from sherd.errors import InvalidMeshError, OptionError
+from sherd.mesh.surface_points import SurfacePoints
+from sherd.mesh.triangle_mesh import TriangleMesh
+from sherd.mesh.validate import frozen
+
+__all__ = ["Exhibit", "Layer", "LayerKind", "Partner", "Placement"]
+
+LayerKind = Literal["scalar", "mask", "color", "category"]
+COLOR_MAPS = ("ember", "lagoon", "dusk", "balance")
+
+
+@dataclass(frozen=True, eq=False)
+class Layer:
+    """One way to color a shape: values per vertex and how to read them.
+
+    Parameters
+    ----------
+    name
+        Shown on buttons and color bars. A layer of the full shape and one of the part with the
+        same name are shown together.
+    values
+        (n,) float for "scalar" (NaN is unknown), (n,) bool for "mask", (n,) int >= 0 for
+        "category" (negative is none), (n, 3) RGB in 0..255 for "color".
+    kind
+        How `values` are read.
+    range
+        Values at the ends of the color bar; the finite extremes when None.
+    unit
+        Written behind numbers, for example "l"; empty for pure numbers.
+    color_map
+        "ember" (light to dark orange), "lagoon" (dark blue over teal to yellow), "dusk" (dark
+        violet to light) or "balance" (blue, white, orange).
+    description
+        One sentence for someone who never saw this quantity.
+    labels
+        Names of the categories by number.
+    carried
+        True for a layer of the full shape that the part shows as well, through its partner.
+
+    Raises
+    ------
+    OptionError
+        If the kind or the color map is unknown, or the range is empty.
+    InvalidMeshError
+        If the values have the wrong shape.
+    """
+
+    name: str
+    values: NDArray[Any]
+    kind: LayerKind = "scalar"
+    range: tuple[float, float] | None = None
+    unit: str = ""
+    color_map: str = "lagoon"
+    description: str = ""
+    labels: tuple[str, ...] = ()
+    carried: bool = False
+
+    def __post_init__(self) -> None:
+        if self.kind not in get_args(LayerKind):
+            raise OptionError(
+                f"layer kind is {self.kind!r}, but must be one of {get_args(LayerKind)}"
+            )
+        if self.color_map not in COLOR_MAPS:
+            raise OptionError(f"color_map is {self.color_map!r}, but must be one of {COLOR_MAPS}")
+        types = {"scalar": np.float64, "mask": np.bool_, "color": np.uint8, "category": np.int64}
+        values: NDArray[Any] = np.array(self.values).astype(types[self.kind])
+        wanted = 2 if self.kind == "color" else 1
+        if values.ndim != wanted or (wanted == 2 and values.shape[1] != 3):
+            raise InvalidMeshError(
+                f"layer {self.name!r} has shape {values.shape}, but kind {self.kind!r} needs "
+                f"{'(n, 3)' if wanted == 2 else '(n,)'}"
+            )
+        object.__setattr__(self, "values", frozen(values))
+        object.__setattr__(self, "labels", tuple(self.labels))
+        if self.range is not None and not self.range[0] < self.range[1]:
+            raise OptionError(f"range of layer {self.name!r} is {self.range}, but must ascend")
+
+    @property
+    def limits(self) -> tuple[float, float]:
+        """Values at the ends of the color bar, never equal."""
+        if self.range is not None:
+            return (float(self.range[0]), float(self.range[1]))
+        if self.kind != "scalar":
+            return (0.0, 1.0)
+        finite = self.values[np.isfinite(self.values)]
+        if not len(finite):
+            return (0.0, 1.0)
+        low, high = float(finite.min()), float(finite.max())
+        return (low, high) if low < high else (low, low + 1.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Partner:
+    """Where each part vertex lies on the full shape.
+
+    Parameters
+    ----------
+    points
+        One point of the full shape per part vertex, (p,).
+    matched
+        (p,) bool; False: the full shape has no such point, and the entry in `points` means
+        nothing. All True when None.
+    confidence
+        (p,) float in [0, 1]; NaN (unknown) when None.
+
+    Raises
+    ------
+    InvalidMeshError
+        If the lengths differ.
+    """
+
+    points: SurfacePoints
+    matched: NDArray[np.bool_] | None = None
+    confidence: NDArray[np.float64] | None = None
+
+    def __post_init__(self) -> None:
+        count = len(self.points)
+        matched = np.ones(count) if self.matched is None else np.asarray(self.matched)
+        confidence = (
+            np.full(count, np.nan) if self.confidence is None else np.asarray(self.confidence)
+        )
+        for name, values in (("matched", matched), ("confidence", confidence)):
+            if values.shape != (count,):
+                raise InvalidMeshError(f"{name} has shape {values.shape}, but ({count},) is needed")
+        object.__setattr__(self, "matched", frozen(matched.astype(bool)))
+        object.__setattr__(self, "confidence", frozen(confidence.astype(np.float64)))
+
+    @property
+    def known(self) -> NDArray[np.bool_]:
+        """`matched` as an array, (p,) bool."""
+        return np.asarray(self.matched)
+
+    def carry(self, full: TriangleMesh, values: ArrayLike) -> NDArray[np.float64]:
+        """Vertex values (n,) or (n, c) of the full shape seen on the part; NaN if unmatched."""
+        carried = self.points.interpolate(full, values)
+        carried[~self.known] = np.nan
+        return carried
+
+
+@dataclass(frozen=True, eq=False)
+class Placement:
+    """Another place where the part may belong.
+
+    Parameters
+    ----------
+    name
+        For example "twin 1".
+    score
+        On the same scale as `Exhibit.score`; NaN is unknown.
+    description
+        One sentence.
+    full_layers
+        Layers that replace those of the exhibit that have the same name.
+    partner
+        The map of this placement, if there is one.
+    """
+
+    name: str
+    score: float = float("nan")
+    description: str = ""
+    full_layers: tuple[Layer, ...] = ()
+    partner: Partner | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Exhibit:
+    """All that a page or a picture shows.
+
+    Parameters
+    ----------
+    title
+        One line.
+    full, part
+        The two shapes, as the user numbers them.
+    full_layers, part_layers
+        Colorings in the order of their buttons; the first one of `full_layers` is shown first.
+    partner
+        The map from part to full, if known.
+    anchors
+        (a, 2) int: part vertex, full vertex.
+    score
+        How good the placement shown first is; NaN is unknown.
+    score_name
+        What `score` means and which way is better, in a few words.
+    alternatives
+        Other placements, best first.
+    summary
+        Plain sentences; the first one is the headline.
+    facts
+        Numbers and words for tables, one table per key.
+    command
+        What to type to get the same result again; empty if there is no command.
+    region
+        (n,) bool, the place the camera must see; from the first mask layer when None.
+    up
+        Which direction of the full shape's file points up; guessed when None.
+
+    Raises
+    ------
+    InvalidMeshError
+        If a layer, the map or an anchor does not fit its mesh.
+    """
+
+    title: str
+    full: TriangleMesh
+    part: TriangleMesh
+    full_layers: tuple[Layer, ...] = ()
+    part_layers: tuple[Layer, ...] = ()
+    partner: Partner | None = None
+    anchors: NDArray[np.int64] | None = None
+    score: float = float("nan")
+    score_name: str = "score"
+    alternatives: tuple[Placement, ...] = ()
+    summary: tuple[str, ...] = ()
+    facts: Mapping[str, Any] = field(default_factory=dict)
+    command: str = ""
+    region: NDArray[np.bool_] | None = None
+    up: tuple[float, float, float] | None = None
+
+    def __post_init__(self) -> None:
+        anchors = np.empty((0, 2)) if self.anchors is None else np.asarray(self.anchors)
+        anchors = anchors.reshape(-1, 2).astype(np.int64)
+        object.__setattr__(self, "anchors", frozen(anchors))
+        for name in ("full_layers", "part_layers", "alternatives", "summary"):
+            object.__setattr__(self, name, tuple(getattr(self, name)))
+        counts = np.array([self.part.vertex_count, self.full.vertex_count])
+        if len(anchors) and ((anchors < 0) | (anchors >= counts)).any():
+            raise InvalidMeshError("anchors hold a vertex that is out of range")
+        for layers, mesh in self._layers_and_meshes():
+            for layer in layers:
+                if len(layer.values) != mesh.vertex_count:
+                    raise InvalidMeshError(
+                        f"layer {layer.name!r} has {len(layer.values)} values, "
+                        f"but {mesh.name} has {mesh.vertex_count} vertices"
+                    )
+        for partner in (self.partner, *(placement.partner for placement in self.alternatives)):
+            self._check_partner(partner)
+        region = self._region()
+        if region.shape != (self.full.vertex_count,):
+            raise InvalidMeshError(
+                f"region has shape {region.shape}, but one entry per vertex is needed"
+            )
+        object.__setattr__(self, "region", frozen(region))
+
+    def _layers_and_meshes(self) -> list[tuple[tuple[Layer, ...], TriangleMesh]]:
+        placed = [(tuple(place.full_layers), self.full) for place in self.alternatives]
+        return [(self.full_layers, self.full), (self.part_layers, self.part), *placed]
+
+    def _check_partner(self, partner: Partner | None) -> None:
+        if partner is None:
+            return
+        if len(partner.points) != self.part.vertex_count:
+            raise InvalidMeshError(
+                f"the map has {len(partner.points)} points, but the part has "
+                f"{self.part.vertex_count} vertices"
+            )
+        faces = partner.points.faces
+        if len(faces) and not 0 <= faces.min() <= faces.max() < self.full.face_count:
+            raise InvalidMeshError(f"the map names a face outside 0..{self.full.face_count - 1}")
+
+    def _region(self) -> NDArray[np.bool_]:
+        if self.region is not None:
+            return np.asarray(self.region, dtype=bool)
+        for layer in self.full_layers:
+            if layer.kind == "mask" and layer.values.any():
+                return np.asarray(layer.values, dtype=bool)
+        return np.ones(self.full.vertex_count, dtype=bool)

@@ -1,0 +1,237 @@
+"""A picture of an exhibit without display or GPU: both shapes, shaded, with a color bar."""
+
+from __future__ import annotations
+
+import io
+import os
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image, ImageDraw, ImageFont
+
+from sherd.errors import OptionError
+from sherd.mesh.triangle_mesh import TriangleMesh
+from sherd.output import write_bytes
+from sherd.report.alignment import rotation_to_full
+from sherd.report.camera import View, best_view, looks_inside_out, upward
+from sherd.report.color_bar import draw_legend
+from sherd.report.colors import layer_colors, part_layer
+from sherd.report.exhibit import Exhibit, Layer
+
+__all__ = ["Staging", "picture", "stage", "write_picture"]
+
+Floats = NDArray[np.float64]
+
+INK = (28, 32, 38, 255)
+GRAY = (104, 110, 120, 255)
+# Half of a closed surface is hidden from anywhere; a view from behind is worth its space when
+# less than this share of the region is seen.
+LEAST_VISIBLE_SHARE = 0.3
+# A part smaller than this share of the full shape's extent is enlarged, and the picture says so.
+LEAST_EXTENT_SHARE = 0.55
+# White around a shape, relative to its panel.
+MARGIN = 0.05
+
+
+@dataclass(frozen=True, eq=False)
+class Staging:
+    """How an exhibit is looked at; picture and page share it.
+
+    Parameters
+    ----------
+    view
+        Camera for the full shape.
+    part_rotation
+        (3, 3), applied to the part before the same camera looks at it.
+    up
+        (3,) direction of the full shape that points up.
+    """
+
+    view: View
+    part_rotation: Floats
+    up: Floats
+
+
+def stage(exhibit: Exhibit) -> Staging:
+    """Choose the camera so that the region is seen, and turn the part the same way."""
+    up = upward(exhibit.full) if exhibit.up is None else np.array(exhibit.up, dtype=np.float64)
+    up = up / np.linalg.norm(up)
+    view = best_view(exhibit.full, np.asarray(exhibit.region), up)
+    return Staging(view, rotation_to_full(exhibit), up)
+
+
+def picture(
+    exhibit: Exhibit,
+    *,
+    layer: str | None = None,
+    width: int = 1600,
+    transparent: bool = False,
+    staging: Staging | None = None,
+) -> Image.Image:
+    """Full shape and part side by side with title, captions and color bar, RGBA.
+
+    Parameters
+    ----------
+    layer
+        Name of the coloring; the first one of the full shape when None.
+    width
+        In pixels; the height is about half of it.
+    transparent
+        No background instead of white.
+    staging
+        A camera chosen before, for pictures that shall look alike.
+
+    Raises
+    ------
+    OptionError
+        If no layer has that name or the width is below 400.
+
+    Notes
+    -----
+    The same exhibit gives the same bytes. A second view from behind is added when the first one
+    hides much of the region.
+    """
+    if width < 400:
+        raise OptionError(f"width is {width}, but 400 pixels are the least that hold two shapes")
+    panels = _panels(exhibit, layer, staging or stage(exhibit))
+    unit = width / 1600
+    size = (width // len(panels), round(0.40 * width))
+    scale, part_scale = _scales(panels, size)
+    scales = [part_scale if panel.role == "part" else scale for panel in panels]
+    tallest = max(panel.extent[1] * pixels for panel, pixels in zip(panels, scales, strict=True))
+    size = (size[0], min(size[1], round(tallest * (1 + 2 * MARGIN))))
+    top, bottom = round(100 * unit), round(176 * unit)
+    background = (255, 255, 255, 0 if transparent else 255)
+    image = Image.new("RGBA", (width, top + size[1] + bottom), background)
+    draw = ImageDraw.Draw(image)
+    draw.text((round(40 * unit), round(30 * unit)), exhibit.title, fill=INK, font=_font(34 * unit))
+    for index, (panel, pixels) in enumerate(zip(panels, scales, strict=True)):
+        image.alpha_composite(_rendered(panel, size, pixels), (index * size[0], top))
+        middle = (index * size[0] + size[0] // 2, top + size[1] + round(24 * unit))
+        _write_caption(draw, panel, pixels / scale, middle=middle, unit=unit, room=size[0])
+    box = (round(0.28 * width), top + size[1] + round(92 * unit), round(0.44 * width))
+    shown = panels[0].layer or panels[-1].layer
+    draw_legend(draw, shown, box=box, unit=unit, inks=(INK, GRAY))
+    return image
+
+
+def write_picture(
+    exhibit: Exhibit, path: str | os.PathLike[str], *, layer: str | None = None
+) -> None:
+    """Write :func:`picture` as PNG; the file appears complete or not at all.
+
+    Raises
+    ------
+    OptionError
+        If no layer has that name.
+    OutputError
+        If the file cannot be written.
+    """
+    write_bytes(path, png_bytes(picture(exhibit, layer=layer)))
+
+
+def png_bytes(image: Image.Image, *, colors: int | None = None) -> bytes:
+    """Image as PNG; with `colors`, in a palette of so many, about a third of the size."""
+    stream = io.BytesIO()
+    if colors is not None:
+        white = Image.new("RGBA", image.size, (255, 255, 255, 255))
+        white.alpha_composite(image)
+        image = white.convert("RGB").quantize(colors, dither=Image.Dither.FLOYDSTEINBERG)
+    image.save(stream, "PNG", optimize=True)
+    return stream.getvalue()
+
+
+@dataclass(frozen=True, eq=False)
+class _Panel:
+    mesh: TriangleMesh
+    layer: Layer | None
+    rotation: Floats
+    role: str
+
+    @property
+    def extent(self) -> Floats:
+        """Width and height of the shape as seen, (2,) l."""
+        size: Floats = np.ptp(self.mesh.vertices @ self.rotation.T, axis=0)[:2]
+        return np.maximum(size, np.finfo(float).tiny)
+
+
+def _panels(exhibit: Exhibit, layer: str | None, staging: Staging) -> list[_Panel]:
+    full, part = _layers_named(exhibit, layer)
+    panels = [_Panel(exhibit.full, full, staging.view.rotation, "full shape")]
+    if staging.view.visible_share < LEAST_VISIBLE_SHARE:
+        panels.append(_Panel(exhibit.full, full, staging.view.opposite.rotation, "from behind"))
+    rotation = staging.view.rotation @ staging.part_rotation
+    return [*panels, _Panel(exhibit.part, part, rotation, "part")]
+
+
+def _layers_named(exhibit: Exhibit, name: str | None) -> tuple[Layer | None, Layer | None]:
+    if name is None:
+        layers = exhibit.full_layers or exhibit.part_layers
+        if not layers:
+            return None, None
+        name = layers[0].name
+    full = next((layer for layer in exhibit.full_layers if layer.name == name), None)
+    part = part_layer(exhibit, name)
+    if full is None and part is None:
+        names = [layer.name for layer in (*exhibit.full_layers, *exhibit.part_layers)]
+        raise OptionError(f"layer is {name!r}, but there are only {names}")
+    return full, part
+
+
+def _scales(panels: list[_Panel], size: tuple[int, int]) -> tuple[float, float]:
+    """Pixels per length of the full shape and of the part.
+
+    Both are the same unless the part would be tiny beside the full shape, or would not fit.
+    """
+    room = np.array(size) * (1 - 2 * MARGIN)
+    scale = min(float(np.min(room / panel.extent)) for panel in panels[:-1])
+    fitting = float(np.min(room / panels[-1].extent))
+    share = float(np.max(panels[-1].extent) / np.max(panels[0].extent))
+    return scale, min(fitting, scale * max(1.0, LEAST_EXTENT_SHARE / share))
+
+
+def _rendered(panel: _Panel, size: tuple[int, int], pixels: float) -> Image.Image:
+    from sherd.report.raster import shaded_image  # noqa: PLC0415  numba loads on first use
+
+    mesh = panel.mesh
+    placed = mesh.vertices @ panel.rotation.T
+    placed = (placed - (placed.min(axis=0) + placed.max(axis=0)) / 2) * pixels
+    normals, faces = mesh.vertex_normals @ panel.rotation.T, mesh.faces
+    if looks_inside_out(mesh):
+        normals, faces = -normals, np.ascontiguousarray(faces[:, ::-1])
+    image = shaded_image(
+        placed * [1.0, -1.0, -1.0] + [size[0] / 2, size[1] / 2, 0.0],
+        faces,
+        normals=normals,
+        colors=layer_colors(panel.layer, mesh.vertex_count),
+        width=size[0],
+        height=size[1],
+    )
+    return Image.fromarray(image)
+
+
+def _write_caption(
+    draw: ImageDraw.ImageDraw,
+    panel: _Panel,
+    magnification: float,
+    *,
+    middle: tuple[int, int],
+    unit: float,
+    room: int,
+) -> None:
+    draw.text(middle, panel.role, fill=INK, font=_font(24 * unit), anchor="mm")
+    if panel.role == "from behind":
+        return
+    words = f", {panel.mesh.vertex_count:,} vertices"
+    if not 1 / 1.05 < magnification < 1.05:
+        words += f", enlarged {magnification:.1f} times"
+    name, font = panel.mesh.name, _font(20 * unit)
+    while len(name) > 9 and draw.textlength(name + words, font=font) > 0.94 * room:
+        name = name[: len(name) // 2 - 2] + "..." + name[len(name) // 2 + 2 :]
+    below = (middle[0], middle[1] + round(30 * unit))
+    draw.text(below, name + words, fill=GRAY, font=font, anchor="mm")
+
+
+def _font(size: float) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
+    return ImageFont.load_default(size=max(8.0, round(size)))
