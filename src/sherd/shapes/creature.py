@@ -29,20 +29,23 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 SMALLEST, LARGEST = 5_000, 1_000_000
-# Seams are rounded over a few of these; half the radius of the thinnest part, the ear tips.
-MELT = 0.010
-# Width of the handover from bone to bone at a joint: as wide as the limbs are thick, because a
+# Two cones of one limb swell by log 2 of this at their joint: 5 % of the thinnest leg's radius.
+# Trunk and head are made of cones side by side, whose seams need more.
+LIMB_MELT, BODY_MELT = 0.003, 0.016
+# Limbs meet the trunk, and ears the head, in a seam rounded over a few of these.
+SEAM_MELT = 0.014
+# Width of the handover from bone to bone at a joint: about as wide as the limbs are thick: a
 # limb of radius r that bends by an angle over the length s strains its skin by r * angle / s.
-SKIN_WIDTH = 0.040
+SKIN_WIDTH = 0.060
 # The grid resolves the thinnest part (ear tip, diameter 0.034) from about 5,000 vertices on;
 # above four times as many, a coarser mesh is subdivided, which costs less than a finer grid.
 LARGEST_GRID = 4 * SMALLEST
-# Surface nets put about this many vertices on a unit of area with unit spacing; only a first guess.
-FIRST_DENSITY, FIRST_AREA = 1.5, 1.6
+# Vertices times squared spacing, which hardly depends on the spacing; only a first guess.
+FIRST_GUESS = 2.79
 COUNT_TOLERANCE = 0.01
 MAX_ATTEMPTS = 6
 # Individuals differ by up to this share in the length and girth of head, neck, trunk, legs, tail.
-VARIATION = 0.12
+VARIATION = 0.15
 EVENING_ROUNDS = 6
 
 
@@ -137,7 +140,7 @@ def _standing(vertex_count: int, individual: int) -> tuple[Floats, Ints, Floats]
 def _extracted(body: RoundCones, count: int) -> tuple[Floats, Ints]:
     """A mesh of the body with `count` vertices within 1 %, its triangles evened out."""
     lower, upper = body.bounds()
-    spacing = float(np.sqrt(FIRST_DENSITY * FIRST_AREA / count))
+    spacing = float(np.sqrt(FIRST_GUESS / count))
     for _ in range(MAX_ATTEMPTS):
         vertices, faces = surface_nets(
             lambda points: body.value_and_gradient(points)[0],
@@ -169,11 +172,15 @@ def _body(individual: int) -> tuple[RoundCones, Ints]:
     begin, end = (np.array([item[place] for item in FLESH]) * scale for place in (1, 2))
     radii = np.array([bone.radii for bone in BONES] + [item[3] for item in FLESH])
     bone = np.concatenate([np.arange(len(BONES)), carriers]).astype(np.int64)
+    melting = [bone.segment if "ear" not in bone.name else bone.name for bone in BONES]
+    groups = list(dict.fromkeys(melting))
     cones = RoundCones(
         np.concatenate([joints, joints[carriers] + begin]),
         np.concatenate([vectors, end - begin]),
         radii * girth[bone][:, None],
-        MELT,
+        np.array([groups.index(melting[row]) for row in bone]),
+        np.array([BODY_MELT if name in ("trunk", "head") else LIMB_MELT for name in groups]),
+        SEAM_MELT,
     )
     return cones, bone
 

@@ -1,10 +1,11 @@
 """A smooth body as the level set of a smooth union of round cones.
 
 A round cone is the union of the spheres along a segment whose radius changes linearly. Its
-signed distance is exact, `d(x) = min over t in [0, 1] of |x - c(t)| - r(t)`, and the smooth
-union `f = -w log sum_i exp(-d_i / w)` is infinitely often differentiable where the distances
-are, never changes faster than 1 per unit length, and has the gradient `sum_i s_i grad d_i`
-with `s = softmax(-d / w)`.
+signed distance is exact, `d(x) = min over t in [0, 1] of |x - c(t)| - r(t)`. The smooth union
+`f = -w log sum_i exp(-d_i / w)` is as smooth as the distances and never changes faster than 1
+per unit length; its gradient is `sum_i s_i grad d_i` with `s = softmax(-d / w)`. It is taken
+twice: within each group of cones with the group's own width (narrow along a limb, whose joints
+would swell otherwise), then over the groups with a wide one that fills the seams.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from numpy.typing import NDArray
 __all__ = ["RoundCones", "softmin_weights"]
 
 Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
 
 # Points at a time: the working arrays of (points, cones, 3) stay in the cache or near it.
 BLOCK = 8192
@@ -32,14 +34,20 @@ class RoundCones:
         (c, 3) float, l: segment from `starts` to `starts + directions`.
     radii
         (c, 2) float, l: radius at the two ends.
-    width
-        w, l: seams are rounded over a few w.
+    groups
+        (c,) int from 0: the group of each cone.
+    widths
+        (g,) float, l: w within each group; seams are rounded over a few w.
+    seam
+        l: w between the groups.
     """
 
     starts: Floats
     directions: Floats
     radii: Floats
-    width: float
+    groups: Ints
+    widths: Floats
+    seam: float
 
     def distances(self, points: Floats) -> tuple[Floats, Floats]:
         """Signed distance to each cone (p, c) l, and its unit gradient (p, c, 3)."""
@@ -64,9 +72,19 @@ class RoundCones:
         for begin in range(0, len(points), BLOCK):
             block = slice(begin, begin + BLOCK)
             distances, units = self.distances(points[block])
-            weights, values[block] = softmin_weights(distances, self.width)
+            weights, values[block] = self._union(distances)
             gradients[block] = np.einsum("pc,pcx->px", weights, units)
         return values, gradients
+
+    def _union(self, distances: Floats) -> tuple[Floats, Floats]:
+        """Weight of each cone (p, c) in the smooth union, and its value (p,)."""
+        weights = np.empty_like(distances)
+        joined = np.empty((len(distances), len(self.widths)))
+        for group, width in enumerate(self.widths):
+            members = self.groups == group
+            weights[:, members], joined[:, group] = softmin_weights(distances[:, members], width)
+        outer, values = softmin_weights(joined, self.seam)
+        return weights * outer[:, self.groups], values
 
     def projected(self, points: Floats, *, steps: int = 3) -> Floats:
         """Points near the surface moved onto it along the gradient (Newton's method)."""
@@ -79,7 +97,8 @@ class RoundCones:
     def bounds(self) -> tuple[Floats, Floats]:
         """Lower and upper corner (3,) of a box that holds the surface with room to spare."""
         # n cones that coincide push the surface out by w log n
-        reach = self.radii.max(axis=1)[:, None] + self.width * np.log(len(self.starts))
+        swelling = (self.widths.max() + self.seam) * np.log(len(self.starts))
+        reach = self.radii.max(axis=1)[:, None] + swelling
         ends = self.starts + self.directions
         lower = (np.minimum(self.starts, ends) - reach).min(axis=0)
         upper = (np.maximum(self.starts, ends) + reach).max(axis=0)

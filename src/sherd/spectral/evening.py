@@ -17,7 +17,8 @@ Ints = NDArray[np.int64]
 # Cosine of the sharpest bend (45 degrees) across which an edge may be flipped: over a sharper one
 # the other diagonal would leave the surface.
 SHARPEST_BEND = 0.7
-# Flips end by themselves; after a dozen sweeps what is left is worth no further one.
+# The sweeps end when they flip hardly any edge, at the latest after a dozen.
+FEW_FLIPS = 1e-3
 MAX_SWEEPS = 12
 
 
@@ -60,7 +61,7 @@ def flipped_to_delaunay(vertices: Floats, faces: Ints) -> Ints:
     faces = faces.copy()
     for _ in range(MAX_SWEEPS):
         pairs = _flippable(vertices, faces)
-        if len(pairs[0]) == 0:
+        if len(pairs[0][0]) <= FEW_FLIPS * len(faces):
             break
         (left, left_corner), (right, right_corner) = pairs
         near, far = faces[left, left_corner], faces[right, right_corner]
