@@ -85,13 +85,13 @@ def full_region(
         raise OptionError(f"iterations is {iterations}, but at least 1 is needed")
     if not (math.isfinite(tolerance) and tolerance >= 0):
         raise OptionError(f"tolerance is {tolerance}, but a number >= 0 is needed")
-    u, rho = None, np.ones(problem.vertex_count)
+    start, rho = None, np.ones(problem.vertex_count)
     history: list[float] = []
     status, spent = Status.ITERATION_LIMIT, 0
     while spent < iterations:
         spent += 1
-        membership = solve_structured(full_membership_quadratic(problem, rho), u)
-        u = np.clip(membership.values, 0.0, 1.0)
+        membership = solve_structured(full_membership_quadratic(problem, rho), start)
+        u = start = np.clip(membership.values, 0.0, 1.0)
         history.append(energy(problem, u, rho).total)
         phase = solve_structured(full_phase_quadratic(problem, u), rho)
         rho = np.clip(phase.values, 0.0, 1.0)

@@ -59,7 +59,15 @@ from sherd.region.problem import RegionProblem
 from sherd.region.status import Status
 from sherd.spectral.basis import EigenBasis
 
-__all__ = ["LogisticOptions", "LogisticRegion", "area_shift", "logistic_regions"]
+__all__ = [
+    "LogisticOptions",
+    "LogisticRegion",
+    "area_shift",
+    "checked_starts",
+    "descent_status",
+    "distinct_columns",
+    "logistic_regions",
+]
 
 Floats = NDArray[np.float64]
 
@@ -182,14 +190,14 @@ def logistic_regions(
     in float32, the rounds in float64.
     """
     options = options or LogisticOptions()
-    starts = _checked_starts(initial, problem.vertex_count)
+    starts = checked_starts(initial, problem.vertex_count)
     search = _SigmoidEnergy(problem, basis, np.float32)
     flat = np.ones_like(starts.T)
     found = search.minimize(
         search.coefficients(starts), flat, 0.0, options.search_evaluations, options.tolerance
     )
     memberships = search.memberships(found.points, np.arange(len(starts)))
-    chosen = _distinct(problem, memberships, found.values)[: options.survivors]
+    chosen = distinct_columns(problem, memberships, found.values)[: options.survivors]
     polish = _SigmoidEnergy(problem, basis, np.float64)
     points, used = found.points[:, chosen], found.evaluations[chosen]
     memberships = np.asarray(memberships[:, chosen], dtype=np.float64)
@@ -207,7 +215,7 @@ def logistic_regions(
             phase_field=fields[:, column].copy(),
             membership_coefficients=polish.with_shift(points, column),
             energy=energy(problem, memberships[:, column], fields[:, column]),
-            status=_status(found, column),
+            status=descent_status(found, column),
             evaluations=int(used[column]),
             gradient_norm=float(found.gradient_norms[column]),
             start=int(chosen[column]),
@@ -215,7 +223,7 @@ def logistic_regions(
         for column in range(len(chosen))
     ]
     totals = np.array([region.energy.total for region in regions])
-    return [regions[index] for index in _distinct(problem, memberships, totals)]
+    return [regions[index] for index in distinct_columns(problem, memberships, totals)]
 
 
 def area_shift(
@@ -302,7 +310,7 @@ def _sigmoid(scores: NDArray[Any]) -> NDArray[Any]:
     return result
 
 
-def _distinct(
+def distinct_columns(
     problem: RegionProblem, memberships: NDArray[Any], values: Floats
 ) -> NDArray[np.int64]:
     """Columns by ascending value, without those that repeat a better one."""
@@ -320,13 +328,15 @@ def _distinct(
     return np.array(kept, dtype=np.int64)
 
 
-def _status(found: ColumnMinima, column: int) -> Status:
+def descent_status(found: ColumnMinima, column: int) -> Status:
+    """Why the descent of a column ended."""
     if found.converged[column]:
         return Status.CONVERGED
     return Status.STALLED if found.stalled[column] else Status.ITERATION_LIMIT
 
 
-def _checked_starts(initial: ArrayLike, count: int) -> Floats:
+def checked_starts(initial: ArrayLike, count: int) -> Floats:
+    """`initial` as (starts, n) float in [0, 1], or InputError."""
     starts = np.asarray(initial, dtype=np.float64)
     if starts.ndim != 2 or starts.shape[1] != count or len(starts) == 0:
         raise InputError(f"initial has shape {starts.shape}, but (starts, {count}) is needed")
