@@ -1,0 +1,246 @@
+"""Elastic registration: the part, as rigid as possible, laid onto the full shape.
+
+The first answer of every vertex is a place on the full shape with an error of a few vertex
+spacings. Here the part becomes an elastic surface that is drawn to these places, then slides on
+the full shape to where neighborhoods look alike. The elasticity knows what geodesics from
+anchors do not: that small triangles keep their shape. Answers are points inside triangles.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from sherd.correspondence.elastic import fit_rotations, relax_positions
+from sherd.correspondence.part_data import PartData
+from sherd.descriptors.rotation_shot import similarity_at
+from sherd.mesh.geometry import vertex_normals
+from sherd.mesh.surface_points import SurfacePoints, _closest_weights
+from sherd.spectral.operators import stiffness
+from sherd.template import Template
+
+__all__ = ["Placement", "laid_on", "on_surface", "pulled_together", "similar_places"]
+
+Floats = NDArray[np.float64]
+Singles = NDArray[np.float32]
+Ints = NDArray[np.int64]
+
+# Data terms are areas over squared lengths: below such a length the elasticity decides, above
+# it the data. Places from trilateration are noise of 0.02 to be averaged over a limb's width.
+PLACE_LENGTH = 0.05
+# Places farther off than this are wrong, not noisy.
+PLACE_LIMIT = 0.04
+# Similar neighborhoods are good to a vertex spacing or two.
+SIMILAR_LENGTH = 0.04
+# The part lies on the full shape: hold it there below the size of a triangle.
+SURFACE_LENGTH = 0.006
+# A normal that differs by a right angle counts like 0.03 of distance: other sheets stay away.
+NORMAL_SCALE = 0.03
+# Similarities within 0.02 of the best are equally good.
+SOFTNESS = 0.02
+# A target spread wider than a vertex spacing is a weak one.
+SPREAD = 0.012
+CG_TOLERANCE, CG_LIMIT = 1e-3, 200
+
+
+@dataclass(frozen=True, eq=False)
+class Placement:
+    """The part laid on the full shape.
+
+    Attributes
+    ----------
+    positions
+        (n', 3) place of each vertex in the template's unit frame, near its surface.
+    rotations
+        (n', 3, 3) rotation from the part's frame.
+    """
+
+    positions: Floats
+    rotations: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class _Elastic:
+    pointers: Ints
+    neighbors: Ints
+    weights: Floats
+    rest: Floats
+
+
+def elastic_surface(part: PartData) -> _Elastic:
+    """The part's edges with cotangent weights, not below a small share of the usual ones."""
+    weak = stiffness(part.mesh.vertices, part.mesh.faces).tocsr()
+    weak.setdiag(0.0)
+    weak.eliminate_zeros()
+    weights = np.clip(-weak.data, 0.05, 5.0)  # an equilateral triangle has 0.58
+    return _Elastic(
+        weak.indptr.astype(np.int64), weak.indices.astype(np.int64), weights, part.mesh.vertices
+    )
+
+
+def pulled_together(
+    template: Template, part: PartData, places: Ints, *, rounds: int = 12
+) -> Placement:
+    """The elastic part drawn to a vertex of the full shape for each of its vertices.
+
+    Places that remain far from the surface of their neighbors lose their weight.
+    """
+    elastic = elastic_surface(part)
+    targets = template.unit.vertices[places]
+    start = Placement(targets.copy(), np.tile(np.eye(3), (len(targets), 1, 1)))
+    placement = _fitted(elastic, start)
+    areas = part.mesh.vertex_areas / PLACE_LENGTH**2
+    for step in range(rounds):
+        off = ((placement.positions - targets) ** 2).sum(axis=1)
+        limit = PLACE_LIMIT * max(1.0, 3.0 - 0.5 * step)  # graduated: first nobody is wrong
+        trust = areas / (1 + off / limit**2) ** 2
+        data = trust[:, None, None] * np.eye(3)
+        placement = _relaxed(elastic, placement, data, targets)
+    return placement
+
+
+def similar_places(
+    template: Template,
+    placement: Placement,
+    queries: Ints,
+    spectra: tuple[Singles, Singles],
+    *,
+    reach: float,
+) -> tuple[Floats, Floats, Floats]:
+    """Where near its place each query vertex looks most alike: soft maximum over a ball.
+
+    Parameters
+    ----------
+    queries
+        (q,) vertices of the part.
+    spectra
+        Of all vertices of the full shape, and of the queries.
+    reach
+        Radius of the ball.
+
+    Returns
+    -------
+    targets, confidence, similarity
+        (q, 3) places, (q,) in [0, 1]: low where equally similar places are far apart, and (q,)
+        the best similarity.
+    """
+    unit = template.unit
+    here = placement.positions[queries]
+    tree = cKDTree(unit.vertices)
+    found = tree.query_ball_point(here, reach, return_sorted=True)
+    nearest = tree.query(here)[1]
+    pointers = np.concatenate([[0], np.cumsum([max(len(row), 1) for row in found])])
+    rows = np.repeat(np.arange(len(queries)), np.diff(pointers))
+    candidates = np.concatenate(
+        [np.asarray(row if row else [nearest[k]], dtype=np.int64) for k, row in enumerate(found)]
+    )
+    similarity = similarity_at(spectra[0], spectra[1], pointers, candidates).astype(np.float64)
+    other_sheet = (template.normals[candidates] * template.normals[nearest][rows]).sum(axis=1) < 0.2
+    offset = unit.vertices[candidates] - here[rows]
+    # of two equally similar places the nearer one
+    score = similarity - 0.5 * SOFTNESS * (offset**2).sum(axis=1) / (0.6 * reach) ** 2
+    score[other_sheet] -= 1.0
+    best = np.maximum.reduceat(score, pointers[:-1])
+    weight = np.exp((score - best[rows]) / SOFTNESS) * unit.vertex_areas[candidates]
+    weight /= np.bincount(rows, weight)[rows]
+    mean = np.stack([np.bincount(rows, weight * offset[:, k]) for k in range(3)], axis=1)
+    spread = np.bincount(rows, weight * ((offset - mean[rows]) ** 2).sum(axis=1))
+    return here + mean, 1 / (1 + spread / SPREAD**2), np.maximum.reduceat(similarity, pointers[:-1])
+
+
+def laid_on(
+    template: Template,
+    part: PartData,
+    placement: Placement,
+    *,
+    queries: Ints,
+    spectra: tuple[Singles, Singles],
+    reaches: tuple[float, ...],
+    trust: Floats | None = None,
+    slides: int = 3,
+) -> Placement:
+    """The elastic part laid on the full shape, drawn to similar places.
+
+    One round per entry of `reaches`: look for similar places within that radius, then `slides`
+    times find the closest points of the surface and relax. `trust` (q,) weighs the queries.
+    """
+    elastic = elastic_surface(part)
+    count = part.mesh.vertex_count
+    areas = np.maximum(part.mesh.vertex_areas, 1e-9)
+    density = count / len(queries)
+    finder = SurfaceFinder(template)
+    for reach in reaches:
+        targets, confidence, _ = similar_places(
+            template, placement, queries, spectra, reach=reach
+        )
+        if trust is not None:
+            confidence = confidence * trust
+        for _ in range(slides):
+            normals = vertex_normals(placement.positions, part.mesh.faces)
+            points = finder.closest(placement.positions, normals)
+            foot = points.positions(template.unit)
+            up = points.interpolate(template.unit, template.unit.vertex_normals)
+            up /= np.maximum(np.linalg.norm(up, axis=1, keepdims=True), 1e-12)
+            hold = areas / SURFACE_LENGTH**2
+            data = hold[:, None, None] * (up[:, :, None] * up[:, None, :] + 1e-4 * np.eye(3))
+            pull = np.einsum("nij,nj->ni", data, foot)
+            off = ((placement.positions[queries] - targets) ** 2).sum(axis=1)
+            drawn = density * areas[queries] * confidence / SIMILAR_LENGTH**2
+            drawn /= (1 + off / 0.02**2) ** 2
+            data[queries] += drawn[:, None, None] * np.eye(3)
+            pull[queries] += drawn[:, None] * targets
+            goal = np.linalg.solve(data, pull[:, :, None])[:, :, 0]
+            placement = _relaxed(elastic, placement, data, goal)
+    return placement
+
+
+class SurfaceFinder:
+    """Closest points of the template's surface, on faces that look the same way."""
+
+    def __init__(self, template: Template) -> None:
+        unit = template.unit
+        self._corners = unit.vertices[unit.faces]
+        self._tree = cKDTree(
+            np.concatenate([self._corners.mean(axis=1), NORMAL_SCALE * unit.face_normals], axis=1)
+        )
+        self._count = min(12, unit.face_count)
+
+    def closest(self, positions: Floats, normals: Floats) -> SurfacePoints:
+        """Closest point to each position (p, 3) with normal (p, 3), among 12 near faces."""
+        query = np.concatenate([positions, NORMAL_SCALE * normals], axis=1)
+        near = self._tree.query(query, k=self._count)[1].reshape(len(positions), self._count)
+        flat = near.ravel()
+        points = np.repeat(positions, self._count, axis=0)
+        weights = _closest_weights(points, self._corners[flat])
+        found = np.einsum("pk,pkc->pc", weights, self._corners[flat])
+        distance = ((found - points) ** 2).sum(axis=1).reshape(near.shape)
+        best = distance.argmin(axis=1)
+        rows = np.arange(len(positions))
+        return SurfacePoints(near[rows, best], weights.reshape(*near.shape, 3)[rows, best])
+
+
+def on_surface(template: Template, part: PartData, placement: Placement) -> SurfacePoints:
+    """The point of the full shape under each vertex of the placed part."""
+    normals = vertex_normals(placement.positions, part.mesh.faces)
+    return SurfaceFinder(template).closest(placement.positions, normals)
+
+
+def _fitted(elastic: _Elastic, placement: Placement) -> Placement:
+    rotations = np.empty_like(placement.rotations)
+    fit_rotations(
+        elastic.pointers, elastic.neighbors, elastic.weights, elastic.rest,
+        placement.positions, rotations,
+    )  # fmt: skip
+    return replace(placement, rotations=rotations)
+
+
+def _relaxed(elastic: _Elastic, placement: Placement, data: Floats, targets: Floats) -> Placement:
+    """One alternation: positions for the rotations, then rotations for the positions."""
+    positions = relax_positions(
+        elastic.pointers, elastic.neighbors, elastic.weights, elastic.rest,
+        placement.rotations, data, targets, placement.positions, CG_TOLERANCE, CG_LIMIT,
+    )  # fmt: skip
+    return _fitted(elastic, Placement(positions, placement.rotations))
