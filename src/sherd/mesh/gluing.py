@@ -16,12 +16,14 @@ from sherd.mesh import geometry
 
 __all__ = [
     "coincident_classes",
+    "components",
     "edge_groups",
     "end_corners",
     "face_pairs",
     "fans",
     "orientation_flips",
     "same_direction",
+    "settled",
 ]
 
 Floats = NDArray[np.float64]
@@ -42,6 +44,8 @@ def edge_groups(faces: Ints) -> tuple[Ints, Ints]:
     """Edge of each half-edge (3m,), and the number of half-edges of each edge (e,)."""
     start = faces.ravel()
     end = faces[:, [1, 2, 0]].ravel()
+    lowest = min(int(start.min(initial=0)), 0)  # places of seams may be below zero
+    start, end = start - lowest, end - lowest
     count = int(start.max(initial=0)) + 1
     key = np.minimum(start, end) * count + np.maximum(start, end)
     _, group, uses = np.unique(key, return_inverse=True, return_counts=True)
@@ -55,7 +59,9 @@ def same_direction(faces: Ints, pairs: Ints) -> Bools:
     return same
 
 
-def face_pairs(vertices: Floats, faces: Ints, *, among: Bools | None = None) -> Ints:
+def face_pairs(
+    vertices: Floats, faces: Ints, *, places: Ints | None = None, among: Bools | None = None
+) -> Ints:
     """Pairs of half-edges (p, 2) at which two faces continue each other.
 
     Where more than two faces meet at an edge, the two that continue each other most smoothly
@@ -65,10 +71,13 @@ def face_pairs(vertices: Floats, faces: Ints, *, among: Bools | None = None) -> 
     ----------
     vertices, faces
         (n, 3) and (m, 3).
+    places
+        (m, 3) what tells corners apart; the vertex indices if None.
     among
         (3m,) half-edges to look at; all if None.
     """
-    group, uses = edge_groups(faces)
+    places = faces if places is None else places
+    group, uses = edge_groups(places)
     if among is not None:
         uses = np.bincount(group[among], minlength=len(uses))
     eligible = np.ones(len(group), dtype=bool) if among is None else among
@@ -78,15 +87,17 @@ def face_pairs(vertices: Floats, faces: Ints, *, among: Bools | None = None) -> 
     crowded = half[uses[group[half]] > 2]
     if not len(crowded):
         return simple
-    return np.vstack([simple, _smoothest(vertices, faces, crowded, group[crowded])])
+    pairs: Ints = np.vstack(
+        [simple, _smoothest(geometry.face_normals(vertices, faces), places, crowded, group)]
+    )
+    return pairs
 
 
-def _smoothest(vertices: Floats, faces: Ints, half: Ints, group: Ints) -> Ints:
+def _smoothest(normals: Floats, places: Ints, half: Ints, group: Ints) -> Ints:
     """Pair half-edges (sorted by group) greedily by the smoothness of the continuation."""
-    candidates = _pairs_within(half, group)
-    normals = geometry.face_normals(vertices, faces)
+    candidates = _pairs_within(half, group[half])
     smooth = np.einsum("pc,pc->p", normals[candidates[:, 0] // 3], normals[candidates[:, 1] // 3])
-    smooth = np.where(same_direction(faces, candidates), -smooth, smooth)
+    smooth = np.where(same_direction(places, candidates), -smooth, smooth)
     return _greedy(candidates, smooth)
 
 
@@ -98,7 +109,8 @@ def _pairs_within(half: Ints, group: Ints) -> Ints:
         rows = half[starts[sizes == size][:, None] + np.arange(size)]
         first, second = np.triu_indices(size, 1)
         pieces.append(np.stack([rows[:, first].ravel(), rows[:, second].ravel()], axis=1))
-    return np.vstack(pieces)
+    pairs: Ints = np.vstack(pieces)
+    return pairs
 
 
 def _greedy(candidates: Ints, score: Floats) -> Ints:
@@ -121,7 +133,37 @@ def fans(faces: Ints, pairs: Ints) -> Ints:
     joined_end = np.where(same, end[:, 1], start[:, 1])
     rows = np.concatenate([start[:, 0], end[:, 0]])
     columns = np.concatenate([joined_start, joined_end])
-    return _components(rows, columns, faces.size)
+    return components(rows, columns, faces.size)
+
+
+def settled(faces: Ints, pairs: Ints, removable: Bools) -> Ints:
+    """Pairs without those that would leave an edge with more than two faces.
+
+    Sheets may hang together around both ends of an edge where they also meet: as corners they
+    are told apart, as vertices they are not. There the `removable` (p,) pairs at the edge go,
+    and if that is not enough all those of its faces beyond the second.
+    """
+    while True:
+        fan = fans(faces, pairs).reshape(-1, 3)
+        group, uses = edge_groups(fan)
+        crowded = uses[group] > 2
+        gone = removable & crowded[pairs].any(axis=1)
+        if not gone.any():
+            gone = removable & _beyond_second(group, crowded)[pairs // 3].any(axis=1)
+        if not gone.any():
+            return pairs
+        pairs, removable = pairs[~gone], removable[~gone]
+
+
+def _beyond_second(group: Ints, crowded: Bools) -> Bools:
+    """Faces (m,) that are neither first nor second at a crowded edge."""
+    half = np.flatnonzero(crowded)
+    half = half[np.argsort(group[half], kind="stable")]
+    starts = np.flatnonzero(np.concatenate([[True], np.diff(group[half]) != 0]))
+    rank = np.arange(len(half)) - np.repeat(starts, np.diff(np.append(starts, len(half))))
+    beyond = np.zeros(len(group) // 3, dtype=bool)
+    beyond[half[rank >= 2] // 3] = True
+    return beyond
 
 
 def coincident_classes(vertices: Floats, tolerance: float) -> Ints:
@@ -134,13 +176,11 @@ def coincident_classes(vertices: Floats, tolerance: float) -> Ints:
     if tolerance > 0 and len(vertices) > 1:
         places = rounded[order[np.concatenate([[True], differs])]]
         close = cKDTree(places).query_pairs(tolerance, output_type="ndarray").astype(np.int64)
-        classes = _components(close[:, 0], close[:, 1], len(places))[classes]
+        classes = components(close[:, 0], close[:, 1], len(places))[classes]
     return classes
 
 
-def orientation_flips(
-    vertices: Floats, faces: Ints, pairs: Ints
-) -> tuple[Bools, Ints, Bools]:
+def orientation_flips(vertices: Floats, faces: Ints, pairs: Ints) -> tuple[Bools, Ints, Bools]:
     """Faces to turn so that each sheet is oriented consistently, and outward where it is closed.
 
     In each sheet the smaller area turns. A closed sheet of negative volume turns as a whole,
@@ -158,7 +198,7 @@ def orientation_flips(
     first, second = pairs[:, 0] // 3, pairs[:, 1] // 3
     cross = np.where(same_direction(faces, pairs), count, 0)
     # every face appears as it is and turned over: a sheet without two sides joins both
-    labels = _components(
+    labels = components(
         np.concatenate([first, first + count]),
         np.concatenate([second + cross, second + count - cross]),
         2 * count,
@@ -199,7 +239,8 @@ def _inward(
     return result
 
 
-def _components(rows: Ints, columns: Ints, count: int) -> Ints:
-    graph = sparse.coo_array((np.ones(len(rows), dtype=np.int8), (rows, columns)), (count, count))
+def components(rows: Ints, columns: Ints, count: int) -> Ints:
+    """Component of each of `count` nodes, where `rows` and `columns` (p,) are joined."""
+    graph = sparse.coo_array((np.ones(len(rows), dtype=bool), (rows, columns)), (count, count))
     _, labels = csgraph.connected_components(graph.tocsr(), directed=False)
     return labels.astype(np.int64)
