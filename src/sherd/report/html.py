@@ -1,0 +1,162 @@
+"""report.html: one file that shows an exhibit in three dimensions, offline, in any browser."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import html
+import importlib.metadata
+import json
+import os
+import re
+from collections.abc import Mapping
+from importlib import resources
+from typing import Any
+
+import numpy as np
+
+from sherd.mesh.triangle_mesh import TriangleMesh
+from sherd.output import write_text
+from sherd.report.exhibit import Exhibit
+from sherd.report.payload import payload
+from sherd.report.picture import picture, png_bytes, stage
+from sherd.report.thinning import LARGEST_SHOWN, thinned
+
+__all__ = ["page", "write_page"]
+
+# The picture serves print and browsers without WebGL; 256 colors are enough for both.
+PICTURE_WIDTH = 1400
+PICTURE_COLORS = 256
+
+
+def page(exhibit: Exhibit, *, largest: int = LARGEST_SHOWN) -> str:
+    """HTML of a report that needs nothing but itself.
+
+    Parameters
+    ----------
+    exhibit
+        What to show.
+    largest
+        Shapes with more vertices than this are decimated for the 3D view, and the page says so.
+
+    Returns
+    -------
+    str
+        A complete document. Names are escaped, only the page's own script may run (its hash is in
+        the content security policy), and nothing is loaded from elsewhere.
+
+    Notes
+    -----
+    About .75 MB plus 25 bytes per vertex and layer-pair; coordinates and scalars are shown to
+    1/65,000 of their range.
+    """
+    light = thinned(exhibit, largest=largest)
+    staging = stage(light.exhibit)
+    meta, data = payload(light, staging)
+    still = png_bytes(
+        picture(light.exhibit, width=PICTURE_WIDTH, staging=staging), colors=PICTURE_COLORS
+    )
+    script = _asset("viewer.js")
+    digest = base64.b64encode(hashlib.sha256(script.encode("utf-8")).digest()).decode("ascii")
+    parts = {
+        "title": html.escape(exhibit.title),
+        "headline": html.escape(exhibit.summary[0] if exhibit.summary else ""),
+        "full_caption": html.escape(_caption(exhibit.full)),
+        "part_caption": html.escape(_caption(exhibit.part)),
+        "picture": base64.b64encode(still).decode("ascii"),
+        "picture_words": html.escape(" ".join((exhibit.title, *exhibit.summary))),
+        "summary": _summary(exhibit.summary),
+        "notice": _card("Decimated view", light.notice, kind="notice wide") if light.notice else "",
+        "command": _command(exhibit.command),
+        "facts": "".join(_table(name, rows) for name, rows in exhibit.facts.items()),
+        "version": importlib.metadata.version("sherd"),
+        "style": _asset("viewer.css"),
+        "script": script,
+        "script_hash": f"'sha256-{digest}'",
+        "meta": _json(meta),
+        "data": data,
+    }
+    # one pass, so that nothing inside a value is taken for a placeholder
+    return re.sub(r"\{\{(\w+)\}\}", lambda match: parts[match[1]], _asset("page.html"))
+
+
+def write_page(
+    exhibit: Exhibit, path: str | os.PathLike[str], *, largest: int = LARGEST_SHOWN
+) -> None:
+    """Write :func:`page` to `path`; the file appears complete or not at all.
+
+    Raises
+    ------
+    OutputError
+        If the file cannot be written.
+    """
+    write_text(path, page(exhibit, largest=largest))
+
+
+def _asset(name: str) -> str:
+    return (resources.files("sherd.report") / "assets" / name).read_text(encoding="utf-8")
+
+
+def _json(value: Any) -> str:
+    """JSON that ends no script element whatever it holds."""
+    text = json.dumps(value, allow_nan=False, separators=(",", ":"))
+    return text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")
+
+
+def _caption(mesh: TriangleMesh) -> str:
+    return f"{mesh.name}, {mesh.vertex_count:,} vertices"
+
+
+def _card(title: str, text: str, *, kind: str) -> str:
+    return f'<div class="card {kind}"><h2>{html.escape(title)}</h2><p>{html.escape(text)}</p></div>'
+
+
+def _summary(sentences: tuple[str, ...]) -> str:
+    if not sentences:
+        return ""
+    items = "".join(f"<li>{html.escape(sentence)}</li>" for sentence in sentences)
+    return f'<div class="card wide" id="summary"><h2>In words</h2><ul>{items}</ul></div>'
+
+
+def _command(command: str) -> str:
+    if not command:
+        return ""
+    return (
+        '<div class="card wide"><h2>The same result again</h2><div class="command">'
+        f'<code id="command">{html.escape(command)}</code>'
+        '<button id="copy" type="button" class="quiet">Copy</button></div></div>'
+    )
+
+
+def _table(name: str, rows: Any) -> str:
+    pairs = list(_flat(rows)) if isinstance(rows, Mapping) else [("", rows)]
+    cells = "".join(
+        f"<tr><th scope='row'>{html.escape(key)}</th><td>{html.escape(_text(value))}</td></tr>"
+        for key, value in pairs
+    )
+    return f'<div class="card"><h2>{html.escape(str(name))}</h2><table>{cells}</table></div>'
+
+
+def _flat(rows: Mapping[str, Any], prefix: str = "") -> list[tuple[str, Any]]:
+    flat: list[tuple[str, Any]] = []
+    for key, value in rows.items():
+        name = f"{prefix}{key}"
+        if isinstance(value, Mapping):
+            flat.extend(_flat(value, f"{name}, "))
+        else:
+            flat.append((name, value))
+    return flat
+
+
+def _text(value: Any) -> str:
+    if value is None:
+        return "unknown"
+    if isinstance(value, (bool, np.bool_)):
+        return "yes" if value else "no"
+    if isinstance(value, (int, np.integer)):
+        return f"{value:,}"
+    if isinstance(value, (float, np.floating)):
+        return f"{value:.4g}" if np.isfinite(value) else "unknown"
+    if isinstance(value, (list, tuple, np.ndarray)):
+        return ", ".join(_text(entry) for entry in value)
+    return str(value)

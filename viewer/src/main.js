@@ -1,0 +1,364 @@
+// The page: reads its data, shows it, and listens.
+import { readPayload } from "./decode.js";
+import { carriedLayer, coverage, paint, readLayer } from "./layers.js";
+import { listen, Orbit } from "./orbit.js";
+import { Overlay } from "./overlay.js";
+import { coordinates, coverageWords, integer, number, Panel } from "./panel.js";
+import { readPartner, toFull, toPart } from "./partner.js";
+import { coordinatesOf, numberOf, readShape, vertexPoint } from "./shape.js";
+import { Stage } from "./stage.js";
+import { theme } from "./theme.js";
+
+// More lines than this hide what they connect.
+const MOST_ANCHORS = 60;
+const SIDES = ["full", "part"];
+
+class Page {
+  constructor(meta, read) {
+    this.meta = meta;
+    this.shapes = { full: readShape(meta.shapes.full, read), part: readShape(meta.shapes.part, read) };
+    this.palette = { ...meta.colors, tables: {} };
+    for (const [name, array] of Object.entries(meta.tables)) this.palette.tables[name] = read(array);
+    this.read = read;
+    this.own = {
+      full: meta.layers.full.map((layer) => readLayer(layer, read)),
+      part: meta.layers.part.map((layer) => readLayer(layer, read)),
+    };
+    this.layerNames = [...new Set([...this.own.full, ...this.own.part].map((layer) => layer.name))];
+    this.placements = meta.placements.map(() => null);
+    this.state = { layer: this.layerNames[0] ?? null, placement: 0, thresholds: {}, linked: true, anchors: false, pinned: null, hover: null };
+    this.anchors = meta.anchors.filter((_, i) => i % Math.ceil(meta.anchors.length / MOST_ANCHORS || 1) === 0);
+    this.timings = {};
+    this.shown = {};
+  }
+
+  start(elements) {
+    const { up, toward } = this.meta.camera;
+    this.orbits = { full: new Orbit(up, toward), part: new Orbit(up, toward) };
+    this.overlay = new Overlay(elements.svg);
+    this.panel = new Panel(this);
+    this.panel.fill({
+      layerNames: this.layerNames, placements: this.meta.placements, scoreName: this.meta.scoreName,
+      hasPartner: this.meta.placements.some((place) => place.partner), anchorCount: this.meta.anchors.length,
+    });
+    this.stage = new Stage(elements.canvas, this.shapes, elements, this.orbits, () => this.redrawOverlay());
+    for (const side of SIDES) this.listen(side, elements[side]);
+    this.refresh();
+    this.stage.draw();
+    // hits need search trees; they are built when the first picture stands
+    setTimeout(() => SIDES.forEach((side) => this.stage.views[side].makeTree()), 30);
+  }
+
+  listen(side, element) {
+    const view = this.stage.views[side];
+    const both = (change) => {
+      change(this.orbits[side]);
+      const other = side === "full" ? "part" : "full";
+      if (this.state.linked) this.orbits[other].copy(this.orbits[side]);
+      this.stage.request();
+    };
+    const at = (event) => {
+      const box = element.getBoundingClientRect();
+      return [event.clientX - box.left, event.clientY - box.top];
+    };
+    let waiting = null;
+    listen(element, {
+      turn: (dx, dy) => both((orbit) => orbit.turn(dx, dy)),
+      scale: (factor) => both((orbit) => orbit.scale(factor)),
+      pan: (dx, dy) => {
+        view.pan.x += dx;
+        view.pan.y += dy;
+        this.stage.request();
+      },
+      click: (event) => {
+        const vertex = view.pick(...at(event));
+        if (vertex === null) this.clear();
+        else this.select(side, vertex);
+      },
+      hover: (event) => {
+        if (!waiting) requestAnimationFrame(() => {
+          const vertex = waiting && view.pick(...at(waiting));
+          waiting = null;
+          this.setHover(vertex === null ? null : { side, vertex });
+        });
+        waiting = event;
+      },
+      leave: () => {
+        waiting = null;
+        this.setHover(null);
+      },
+    });
+  }
+
+  // ---- what is shown
+
+  placement(index = this.state.placement) {
+    if (!this.placements[index]) {
+      const meta = this.meta.placements[index];
+      const changed = meta.layers.map((layer) => readLayer(layer, this.read));
+      const layers = this.own.full.map((layer) => changed.find((other) => other.name === layer.name) ?? layer);
+      const partner = readPartner(meta.partner, this.read, this.shapes.full);
+      this.placements[index] = { layers, partner, carried: {} };
+    }
+    return this.placements[index];
+  }
+
+  layerOn(side, name = this.state.layer) {
+    const place = this.placement();
+    const full = place.layers.find((layer) => layer.name === name) ?? null;
+    if (side === "full") return full;
+    const own = this.own.part.find((layer) => layer.name === name);
+    if (own) return own;
+    if (!full || !full.carried || !place.partner) return null;
+    place.carried[name] ??= carriedLayer(full, this.shapes.full, place.partner);
+    return place.carried[name];
+  }
+
+  get threshold() {
+    return this.state.thresholds[this.state.layer] ?? null;
+  }
+
+  refresh() {
+    for (const side of SIDES) {
+      this.shown[side] = this.layerOn(side);
+      const view = this.stage.views[side];
+      paint(view.colors, this.shown[side], this.palette, this.threshold);
+      view.repaint();
+    }
+    this.panel.check("layer", this.layerNames.indexOf(this.state.layer));
+    this.panel.check("placement", this.state.placement);
+    this.refreshLegend();
+    this.refreshPoint();
+    this.stage.request();
+  }
+
+  refreshLegend() {
+    const layer = this.shown.full ?? this.shown.part;
+    const side = this.shown.full ? "full" : "part";
+    let covered = "";
+    this.covered = null;
+    if (layer && (layer.kind === "mask" || (layer.kind === "scalar" && this.threshold !== null))) {
+      this.covered = coverage(layer, this.shapes[side], this.threshold);
+      covered = (side === "full" ? "Full shape: " : "Part: ") + coverageWords(layer, this.covered, this.threshold);
+    }
+    this.panel.legend(layer, this.palette, { threshold: this.threshold, covered, marks: this.marks() });
+  }
+
+  marks() {
+    const pair = this.resolve(this.state.hover ?? this.state.pinned);
+    if (!pair) return [];
+    return SIDES.filter((side) => pair[side] && this.shown[side]?.kind === "scalar")
+      .map((side) => this.shown[side].values[pair[side].vertex]);
+  }
+
+  // Both ends of a chosen point.
+  resolve(chosen) {
+    if (!chosen) return null;
+    const { full, part } = this.shapes;
+    const { partner } = this.placement();
+    const pair = { from: chosen.side, full: null, part: null, confidence: NaN };
+    if (chosen.side === "part") {
+      pair.part = { vertex: chosen.vertex, point: vertexPoint(part, chosen.vertex) };
+      pair.full = toFull(partner, full, chosen.vertex);
+    } else {
+      const point = vertexPoint(full, chosen.vertex);
+      pair.full = { vertex: chosen.vertex, point };
+      const vertex = toPart(partner, point);
+      if (vertex !== null) pair.part = { vertex, point: vertexPoint(part, vertex) };
+    }
+    if (pair.part && partner) pair.confidence = partner.confidence[pair.part.vertex];
+    return pair;
+  }
+
+  refreshPoint() {
+    const chosen = this.state.hover ?? this.state.pinned;
+    const pair = this.resolve(chosen);
+    if (!pair) {
+      this.panel.point("Point", []);
+      return;
+    }
+    const rows = [];
+    for (const side of chosen.side === "part" ? ["part", "full"] : ["full", "part"]) {
+      const name = side === "part" ? "Part" : "Full shape";
+      const end = pair[side];
+      if (!end) {
+        rows.push([name, this.placement().partner ? "no partner" : "no map in this result", `point-${side}`]);
+        continue;
+      }
+      const shape = this.shapes[side];
+      rows.push([name, `vertex ${integer(numberOf(shape, end.vertex))}`, `point-${side}`]);
+      rows.push(["at", coordinates(coordinatesOf(shape, end.point)), `point-${side}-at`]);
+      const layer = this.shown[side];
+      if (layer && layer.kind !== "color") rows.push([layer.name, valueWords(layer, end.vertex), `point-${side}-value`]);
+    }
+    if (pair.full && pair.part) rows.push(["Confidence", number(pair.confidence, 3), "point-confidence"]);
+    this.panel.point(this.state.hover ? "Point under the pointer" : "Selected point", rows);
+  }
+
+  redrawOverlay() {
+    if (!this.stage) return;
+    const box = this.stage.canvas.parentElement.getBoundingClientRect();
+    const offsets = {};
+    for (const side of SIDES) {
+      const area = this.stage.views[side].element.getBoundingClientRect();
+      offsets[side] = [area.left - box.left, area.top - box.top];
+    }
+    const place = (side, point) => {
+      const pixel = this.stage.views[side].project(point);
+      return { x: pixel.x + offsets[side][0], y: pixel.y + offsets[side][1], hidden: pixel.hidden };
+    };
+    const ends = (kind, pair) => ({
+      kind, full: pair.full && place("full", pair.full.point), part: pair.part && place("part", pair.part.point),
+    });
+    const pairs = [];
+    if (this.state.anchors) {
+      for (const [part, full] of this.anchors) {
+        pairs.push(ends("anchor", {
+          part: { point: vertexPoint(this.shapes.part, part) }, full: { point: vertexPoint(this.shapes.full, full) },
+        }));
+      }
+    }
+    for (const kind of ["pinned", "hover"]) {
+      const pair = this.resolve(this.state[kind]);
+      if (pair) pairs.push(ends(kind, pair));
+    }
+    this.overlay.draw(pairs, { showLines: this.state.anchors });
+    this.panel.magnification(this.stage.magnification);
+  }
+
+  // ---- what can be done; tests and the console use the same functions
+
+  select(side, vertex) {
+    const start = performance.now();
+    this.state.pinned = { side, vertex };
+    this.state.hover = null;
+    this.refreshPoint();
+    this.refreshLegend();
+    this.redrawOverlay();
+    this.timings.select = performance.now() - start;
+    this.stage.request();
+    return this.resolve(this.state.pinned);
+  }
+
+  selectNumber(side, wanted) {
+    const { numbers, count } = this.shapes[side];
+    const vertex = numbers ? numbers.indexOf(wanted) : wanted;
+    if (Number.isInteger(vertex) && vertex >= 0 && vertex < count) this.select(side, vertex);
+  }
+
+  clear() {
+    this.state.pinned = null;
+    this.state.hover = null;
+    this.refreshPoint();
+    this.refreshLegend();
+    this.stage.request();
+  }
+
+  setHover(chosen) {
+    const before = this.state.hover;
+    if (before?.side === chosen?.side && before?.vertex === chosen?.vertex) return;
+    this.state.hover = chosen;
+    this.refreshPoint();
+    this.refreshLegend();
+    this.redrawOverlay();
+  }
+
+  setLayer(name) {
+    if (!this.layerNames.includes(name)) return;
+    this.state.layer = name;
+    this.refresh();
+  }
+
+  setPlacement(index) {
+    if (!this.meta.placements[index]) return;
+    this.state.placement = index;
+    this.refresh();
+  }
+
+  setThreshold(value) {
+    const layer = this.shown.full ?? this.shown.part;
+    if (layer?.kind !== "scalar") return;
+    this.state.thresholds[this.state.layer] = value > layer.limits[0] ? value : null;
+    this.refresh();
+  }
+
+  setAnchors(shown) {
+    this.state.anchors = shown;
+    document.getElementById("show-anchors").checked = shown;
+    this.stage.request();
+  }
+
+  setLinked(linked) {
+    this.state.linked = linked;
+    document.getElementById("linked").checked = linked;
+    if (linked) this.orbits.part.copy(this.orbits.full);
+    this.stage.request();
+  }
+
+  reset() {
+    for (const side of SIDES) {
+      this.orbits[side].reset();
+      this.stage.views[side].pan.set(0, 0);
+    }
+    this.stage.request();
+  }
+
+  key(event) {
+    if (event.ctrlKey || event.metaKey || event.altKey || /^(INPUT|SELECT|TEXTAREA)$/.test(event.target.tagName) && event.target.type !== "radio") return;
+    const layer = this.layerNames[Number(event.key) - 1];
+    if (layer) this.setLayer(layer);
+    else if (event.key === "a") this.setPlacement((this.state.placement + 1) % this.placements.length);
+    else if (event.key === "l") this.setLinked(!this.state.linked);
+    else if (event.key === "m") this.setAnchors(!this.state.anchors && this.anchors.length > 0);
+    else if (event.key === "r") this.reset();
+    else if (event.key === "t") theme.toggle();
+    else if (event.key === "Escape") this.clear();
+  }
+}
+
+function valueWords(layer, vertex) {
+  const value = layer.values[vertex];
+  if (layer.kind === "mask") return Number.isNaN(value) ? "unknown" : value ? "inside" : "outside";
+  if (layer.kind === "category") return value < 0 ? "none" : layer.labels[value] ?? String(value);
+  return number(value, 4) + (layer.unit && !Number.isNaN(value) ? ` ${layer.unit}` : "");
+}
+
+async function main() {
+  const begin = performance.now();
+  theme.start();
+  const copy = document.getElementById("copy");
+  copy?.addEventListener("click", async () => {
+    try {
+      await navigator.clipboard.writeText(document.getElementById("command").textContent);
+      copy.textContent = "Copied";
+    } catch {
+      getSelection().selectAllChildren(document.getElementById("command"));
+      copy.textContent = "Press Ctrl+C";
+    }
+    setTimeout(() => (copy.textContent = "Copy"), 1500);
+  });
+  try {
+    const { meta, read } = await readPayload();
+    const page = new Page(meta, read);
+    document.documentElement.dataset.view = "live";
+    page.start({
+      canvas: document.getElementById("canvas"), svg: document.getElementById("overlay"),
+      full: document.getElementById("view-full"), part: document.getElementById("view-part"),
+    });
+    document.addEventListener("keydown", (event) => page.key(event));
+    page.timings.ready = performance.now() - begin;
+    page.timings.sinceNavigation = performance.now();
+    window.sherd.page = page;
+    return page;
+  } catch (error) {
+    // no WebGL, or a browser without DecompressionStream: the picture stays
+    document.documentElement.dataset.view = "still";
+    document.getElementById("still-reason").textContent = String(error?.message ?? error);
+    window.sherd.error = error;
+    return null;
+  }
+}
+
+// For tests and for the curious: window.sherd.page has state, shapes, select, setLayer, ...
+window.sherd = { page: null, error: null };
+window.sherd.ready = main();

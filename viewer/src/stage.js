@@ -1,0 +1,216 @@
+// The two three-dimensional views: one canvas, two scenes, drawn only when something changed.
+import {
+  BufferAttribute, BufferGeometry, DoubleSide, Matrix4, Mesh, PerspectiveCamera, Raycaster, Scene,
+  ShaderMaterial, Vector2, Vector3, WebGLRenderer,
+} from "three";
+import { acceleratedRaycast, CENTER, MeshBVH } from "three-mesh-bvh";
+import { vertexPoint } from "./shape.js";
+
+const FIELD_OF_VIEW = 22;
+// A part smaller than this share of the full shape is enlarged, as in the printed picture.
+const LEAST_EXTENT_SHARE = 0.55;
+
+// The same light as in raster.py, number for number.
+const vertexShader = `
+  attribute vec4 color;
+  varying vec3 tint;
+  varying vec3 bend;
+  void main() {
+    tint = color.rgb;
+    bend = normalMatrix * normal;
+    gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
+  }`;
+const fragmentShader = `
+  uniform float orientation;
+  varying vec3 tint;
+  varying vec3 bend;
+  void main() {
+    bool inside = gl_FrontFacing != (orientation > 0.0);
+    vec3 n = normalize(bend) * orientation * (inside ? -1.0 : 1.0);
+    n.z = max(n.z, 0.0);
+    float key = max(0.0, 0.5 + 0.5 * dot(vec3(-0.42, 0.62, 0.66), n));
+    float shade = (0.48 + 0.60 * key * key) * (0.82 + 0.18 * n.z);
+    float gloss = 0.063 * pow(max(0.0, dot(vec3(-0.23, 0.34, 0.91), n)), 24.0);
+    vec3 base = tint;
+    if (inside) {
+      base = 0.35 * base + 0.4 * dot(base, vec3(0.3, 0.6, 0.1));
+      gloss = 0.0;
+    }
+    gl_FragColor = vec4(base * shade + gloss, 1.0);
+  }`;
+
+class View {
+  constructor(shape, element, orbit) {
+    this.shape = shape;
+    this.element = element;
+    this.orbit = orbit;
+    this.pan = new Vector2();
+    this.camera = new PerspectiveCamera(FIELD_OF_VIEW, 1, 0.01, 1000);
+    this.camera.up.copy(orbit.up);
+    this.geometry = new BufferGeometry();
+    this.geometry.setAttribute("position", new BufferAttribute(shape.positions, 3));
+    this.geometry.setAttribute("normal", new BufferAttribute(shape.normals, 3));
+    this.colors = new Uint8Array(4 * shape.count);
+    this.geometry.setAttribute("color", new BufferAttribute(this.colors, 4, true));
+    this.geometry.setIndex(new BufferAttribute(shape.faces.slice(), 1)); // the search tree reorders it
+    const material = new ShaderMaterial({
+      vertexShader, fragmentShader, side: DoubleSide,
+      uniforms: { orientation: { value: shape.insideOut ? -1 : 1 } },
+    });
+    this.mesh = new Mesh(this.geometry, material);
+    this.mesh.raycast = acceleratedRaycast;
+    const r = shape.rotation;
+    const turn = new Matrix4().set(r[0], r[1], r[2], 0, r[3], r[4], r[5], 0, r[6], r[7], r[8], 0, 0, 0, 0, 1);
+    this.mesh.matrixAutoUpdate = false;
+    this.mesh.matrix.copy(turn);
+    this.mesh.updateMatrixWorld(true);
+    this.scene = new Scene();
+    this.scene.add(this.mesh);
+    this.raycaster = new Raycaster();
+    this.raycaster.firstHitOnly = true;
+  }
+
+  repaint() {
+    this.geometry.attributes.color.needsUpdate = true;
+  }
+
+  // Set up what makes clicks fast; until then nothing can be hit.
+  makeTree() {
+    if (!this.geometry.boundsTree) this.geometry.boundsTree = new MeshBVH(this.geometry, { strategy: CENTER });
+  }
+
+  // Distance at which every vertex fits into the panel, from the present side; and the middle.
+  fit() {
+    const toward = this.orbit.toward();
+    const right = new Vector3().crossVectors(this.orbit.up, toward).normalize();
+    const up = new Vector3().crossVectors(toward, right);
+    const frame = [right, up, toward].map((axis) => axis.clone().applyMatrix4(this.mesh.matrix.clone().transpose()));
+    const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
+    const p = this.shape.positions;
+    for (let i = 0; i < p.length; i += 3) {
+      for (let k = 0; k < 3; k++) {
+        const value = p[i] * frame[k].x + p[i + 1] * frame[k].y + p[i + 2] * frame[k].z;
+        if (value < low[k]) low[k] = value;
+        if (value > high[k]) high[k] = value;
+      }
+    }
+    const half = low.map((value, k) => (high[k] - value) / 2);
+    this.extent = 2 * Math.max(half[0], half[1]);
+    this.target = [right, up, toward].reduce(
+      (sum, axis, k) => sum.addScaledVector(axis, (low[k] + high[k]) / 2), new Vector3());
+    this.radius = Math.hypot(...half);
+    const { width, height } = this.size();
+    const slope = Math.tan((FIELD_OF_VIEW * Math.PI) / 360);
+    // Room for the caption above and the axis of the eye below.
+    this.distance = half[2] + Math.max(half[1] / (slope * 0.80), (half[0] / (slope * 0.88)) * (height / width));
+  }
+
+  size() {
+    return { width: this.element.clientWidth || 1, height: this.element.clientHeight || 1 };
+  }
+
+  place() {
+    const { width, height } = this.size();
+    const away = this.distance / this.orbit.zoom;
+    const toward = this.orbit.toward();
+    const right = new Vector3().crossVectors(this.orbit.up, toward).normalize();
+    const up = new Vector3().crossVectors(toward, right);
+    const perPixel = (2 * away * Math.tan((FIELD_OF_VIEW * Math.PI) / 360)) / height;
+    const target = this.target.clone()
+      .addScaledVector(right, -this.pan.x * perPixel).addScaledVector(up, this.pan.y * perPixel);
+    this.camera.aspect = width / height;
+    this.camera.near = Math.max(away - 4 * this.radius, away / 200);
+    this.camera.far = away + 4 * this.radius;
+    this.camera.position.copy(target).addScaledVector(toward, away);
+    this.camera.lookAt(target);
+    this.camera.updateProjectionMatrix();
+    this.camera.updateMatrixWorld(true);
+  }
+
+  // Pixel of a point of the shape, in the view's own panel, and whether it faces a free line of sight.
+  project(point) {
+    const world = new Vector3(...point).applyMatrix4(this.mesh.matrix);
+    const { width, height } = this.size();
+    const seen = world.clone().project(this.camera);
+    let hidden = false;
+    if (this.geometry.boundsTree) {
+      const sight = world.clone().sub(this.camera.position);
+      const far = sight.length();
+      this.raycaster.set(this.camera.position, sight.normalize());
+      const [hit] = this.raycaster.intersectObject(this.mesh, false);
+      hidden = Boolean(hit) && hit.distance < far - 0.01 * this.radius;
+    }
+    return { x: ((seen.x + 1) / 2) * width, y: ((1 - seen.y) / 2) * height, hidden };
+  }
+
+  // The vertex under a pixel of the panel, or null.
+  pick(x, y) {
+    this.makeTree();
+    const { width, height } = this.size();
+    this.raycaster.setFromCamera(new Vector2((2 * x) / width - 1, 1 - (2 * y) / height), this.camera);
+    const [hit] = this.raycaster.intersectObject(this.mesh, false);
+    if (!hit) return null;
+    const local = hit.point.clone().applyMatrix4(this.mesh.matrix.clone().invert());
+    let best = null, least = Infinity;
+    for (const vertex of [hit.face.a, hit.face.b, hit.face.c]) {
+      const gap = new Vector3(...vertexPoint(this.shape, vertex)).distanceToSquared(local);
+      if (gap < least) [best, least] = [vertex, gap];
+    }
+    return best;
+  }
+}
+
+export class Stage {
+  constructor(canvas, shapes, elements, orbits, drawn) {
+    this.canvas = canvas;
+    this.drawn = drawn;
+    this.renderer = new WebGLRenderer({ canvas, antialias: true, alpha: true, preserveDrawingBuffer: true });
+    this.renderer.setClearColor(0x000000, 0);
+    this.renderer.setScissorTest(true);
+    this.views = {
+      full: new View(shapes.full, elements.full, orbits.full),
+      part: new View(shapes.part, elements.part, orbits.part),
+    };
+    this.waiting = false;
+    new ResizeObserver(() => this.resize()).observe(canvas.parentElement);
+    this.resize();
+  }
+
+  resize() {
+    const box = this.canvas.parentElement;
+    this.renderer.setPixelRatio(Math.min(2, window.devicePixelRatio || 1));
+    this.renderer.setSize(box.clientWidth, box.clientHeight, false);
+    const { full, part } = this.views;
+    full.fit();
+    part.fit();
+    // one scale for both, unless the part would be tiny or would not fit
+    const wanted = Math.max(1, (LEAST_EXTENT_SHARE * full.extent) / part.extent);
+    const common = (full.distance - 0) / wanted;
+    part.distance = Math.max(part.distance, common);
+    this.magnification = full.distance / part.distance;
+    this.draw();
+  }
+
+  request() {
+    if (this.waiting) return;
+    this.waiting = true;
+    requestAnimationFrame(() => {
+      this.waiting = false;
+      this.draw();
+    });
+  }
+
+  draw() {
+    const box = this.canvas.parentElement.getBoundingClientRect();
+    for (const view of Object.values(this.views)) {
+      view.place();
+      const area = view.element.getBoundingClientRect();
+      const left = area.left - box.left;
+      const bottom = box.bottom - area.bottom;
+      this.renderer.setViewport(left, bottom, area.width, area.height);
+      this.renderer.setScissor(left, bottom, area.width, area.height);
+      this.renderer.render(view.scene, view.camera);
+    }
+    this.drawn();
+  }
+}
