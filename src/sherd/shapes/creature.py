@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sherd.errors import OptionError, SherdError
+from sherd.mesh import topology
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.shapes.round_cones import RoundCones, softmin_weights
 from sherd.shapes.skeleton import (
@@ -33,13 +34,14 @@ SMALLEST, LARGEST = 5_000, 1_000_000
 # Trunk and head are made of cones side by side, whose seams need more.
 LIMB_MELT, BODY_MELT = 0.003, 0.016
 # Limbs meet the trunk, and ears the head, in a seam rounded over a few of these.
-SEAM_MELT = 0.014
+SEAM_MELT = 0.020
 # Width of the handover from bone to bone at a joint: about as wide as the limbs are thick: a
 # limb of radius r that bends by an angle over the length s strains its skin by r * angle / s.
 SKIN_WIDTH = 0.060
-# The grid resolves the thinnest part (ear tip, diameter 0.034) from about 5,000 vertices on;
-# above four times as many, a coarser mesh is subdivided, which costs less than a finer grid.
-LARGEST_GRID = 4 * SMALLEST
+# The grid resolves the thinnest part (ear tip, diameter 0.044) from about 5,000 vertices on. More
+# than this many start from a mesh of a quarter or less, which costs less than a finer grid and
+# still has two vertices to each radius, so that new vertices fall on the right side of a limb.
+LARGEST_GRID = 40_000
 # Vertices times squared spacing, which hardly depends on the spacing; only a first guess.
 FIRST_GUESS = 2.79
 COUNT_TOLERANCE = 0.01
@@ -129,6 +131,7 @@ def _standing(vertex_count: int, individual: int) -> tuple[Floats, Ints, Floats]
         faces, parents = split_edges(faces, len(vertices))
         vertices = np.concatenate([vertices, vertices[parents].mean(axis=1)])
         vertices = body.projected(evened(vertices, faces, steps=1), steps=2)
+        faces = flipped_to_delaunay(vertices, faces)
     bone = _bone_weights(vertices, individual).argmax(axis=1)
     segment_of_bone = np.array([SEGMENTS.index(item.segment) for item in BONES], dtype=float)
     segment = segment_of_bone[bone]
@@ -151,6 +154,10 @@ def _extracted(body: RoundCones, count: int) -> tuple[Floats, Ints]:
         if abs(len(vertices) - count) <= COUNT_TOLERANCE * count:
             break
         spacing *= float(np.sqrt(len(vertices) / count))
+    vertices, faces = _without_spikes(vertices, faces)
+    # averaging once in all directions takes out the tangles of cells that two sheets share
+    neighbors = topology.adjacency(faces, len(vertices))
+    vertices = body.projected(neighbors @ vertices / neighbors.sum(axis=1)[:, None])
     for _ in range(EVENING_ROUNDS):
         faces = flipped_to_delaunay(vertices, faces)
         vertices = body.projected(evened(vertices, faces, steps=2), steps=2)
@@ -159,6 +166,29 @@ def _extracted(body: RoundCones, count: int) -> tuple[Floats, Ints]:
     if not sphere_like or mesh.component_count != 1 or len(mesh.boundary_vertices):
         raise SherdError(f"no clean surface of the animal with {count} vertices; ask for more")
     return mesh.vertices, mesh.faces
+
+
+def _without_spikes(vertices: Floats, faces: Ints) -> tuple[Floats, Ints]:
+    """Without vertices of three faces: such a tip becomes the one face below it."""
+    while True:
+        valence = np.bincount(faces.ravel(), minlength=len(vertices))
+        # one tip at a time per neighborhood: neighbors of a taken tip wait for the next round
+        edges, _ = topology.unique_edges(faces)
+        tip = valence == 3
+        tip[edges[tip[edges].all(axis=1), 1]] = False
+        if not tip.any():
+            return vertices, faces
+        at_tip = tip[faces]
+        rows = np.flatnonzero(at_tip.any(axis=1))
+        column = at_tip[rows].argmax(axis=1)[:, None]
+        ring = np.take_along_axis(faces[rows], (column + np.array([0, 1, 2])) % 3, axis=1)
+        ring = ring[np.argsort(ring[:, 0], kind="stable")].reshape(-1, 3, 3)
+        # the faces at the tip are (tip, a, b), (tip, b, c), (tip, c, a) in some order
+        second = np.where((ring[:, 1, 1] == ring[:, 0, 2]), ring[:, 1, 2], ring[:, 2, 2])
+        below = np.stack([ring[:, 0, 1], ring[:, 0, 2], second], axis=1)
+        faces = np.concatenate([np.delete(faces, rows, axis=0), below])
+        kept, renumbered = np.unique(faces, return_inverse=True)
+        vertices, faces = vertices[kept], renumbered.reshape(-1, 3)
 
 
 @lru_cache(maxsize=8)

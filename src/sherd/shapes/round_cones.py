@@ -22,6 +22,9 @@ Ints = NDArray[np.int64]
 
 # Points at a time: the working arrays of (points, cones, 3) stay in the cache or near it.
 BLOCK = 8192
+# Where two sides of a fold meet their gradients cancel; Newton's step is no longer than if the
+# slope were this, so that a point stays on its own side.
+FLATTEST = 0.3
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,7 +93,7 @@ class RoundCones:
         """Points near the surface moved onto it along the gradient (Newton's method)."""
         for _ in range(steps):
             values, gradients = self.value_and_gradient(points)
-            squared = np.maximum(np.einsum("px,px->p", gradients, gradients), 1e-6)
+            squared = np.maximum(np.einsum("px,px->p", gradients, gradients), FLATTEST**2)
             points = points - (values / squared)[:, None] * gradients
         return points
 

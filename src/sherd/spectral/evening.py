@@ -45,8 +45,11 @@ def evened(vertices: Floats, faces: Ints, *, steps: int) -> Floats:
         move -= np.einsum("nc,nc->n", move, normals)[:, None] * normals
         move[fixed] = 0.0
         moved = vertices + move
-        agreement = np.einsum("mc,mc->m", face_cross(vertices, faces), face_cross(moved, faces))
-        turned = faces[agreement <= 0]
+        # outward at the corners; a face that is turned over already is free to turn back
+        outward = normals[faces].sum(axis=1)
+        before = np.einsum("mc,mc->m", face_cross(vertices, faces), outward) > 0
+        after = np.einsum("mc,mc->m", face_cross(moved, faces), outward) > 0
+        turned = faces[before & ~after]
         moved[turned] = vertices[turned]
         vertices = moved
     return vertices

@@ -1,0 +1,314 @@
+"""Fragments of a shape that know, point by point, where they belong.
+
+A fragment starts as a whole posed shape and goes through tools; each returns a new fragment and
+carries the ground truth along::
+
+    broken = cut_by_ball(whole(creature(pose="walk"), creature()), center, radius=0.4)
+    part = moved(remeshed(broken, 1.3), rng)
+
+Lengths given to the tools are relative to sqrt(area of the full shape).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from sherd.errors import InfeasibleError, InputError, OptionError
+from sherd.mesh.surface_points import SurfacePoints, points_at_vertices
+from sherd.mesh.triangle_mesh import TriangleMesh
+from sherd.mesh.validate import frozen
+from sherd.shapes.clip import clip
+from sherd.shapes.truth import carried, true_region
+from sherd.spectral.geodesics import Geodesics
+from sherd.spectral.sampling import decimate, remesh
+from sherd.spectral.subdivision import split_edges
+
+__all__ = [
+    "Fragment",
+    "cut_by_ball",
+    "cut_by_plane",
+    "decimated",
+    "largest_piece",
+    "moved",
+    "noisy",
+    "punch_holes",
+    "remeshed",
+    "reordered",
+    "scaled",
+    "whole",
+    "with_clutter",
+    "with_flipped_faces",
+]
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+# Height of the bumps on clutter, so that it is no sphere and no mirror image of itself.
+BUMPS = 0.25
+
+
+@dataclass(frozen=True, eq=False)
+class Fragment:
+    """A part with exact ground truth.
+
+    Attributes
+    ----------
+    mesh
+        The part.
+    truth
+        (n_part,) where each vertex of the part lies on `full`; meaningless where not `present`.
+    full
+        The full shape, in its own pose.
+    present
+        (n_part,) bool, False where the full shape has no such point (clutter).
+
+    Raises
+    ------
+    InputError
+        If `truth` or `present` does not have one row per vertex.
+    """
+
+    mesh: TriangleMesh
+    truth: SurfacePoints
+    full: TriangleMesh
+    present: NDArray[np.bool_]
+
+    def __post_init__(self) -> None:
+        present = np.array(self.present, dtype=bool)
+        if len(self.truth) != self.mesh.vertex_count or present.shape != (self.mesh.vertex_count,):
+            raise InputError(
+                f"truth has {len(self.truth)} rows and present shape {present.shape}, "
+                f"but the part has {self.mesh.vertex_count} vertices"
+            )
+        object.__setattr__(self, "present", frozen(present))
+
+    @property
+    def region(self) -> NDArray[np.bool_]:
+        """The vertices of the full shape that the part covers, (n_full,); see :func:`true_region`."""
+        return true_region(self.full, self.mesh, self.truth, present=self.present)
+
+
+def whole(posed: TriangleMesh, full: TriangleMesh) -> Fragment:
+    """All of the full shape in another pose, as the fragment to cut from.
+
+    Raises
+    ------
+    InputError
+        If the two do not have the same faces, or a vertex belongs to no face.
+    """
+    if posed.vertex_count != full.vertex_count or not np.array_equal(posed.faces, full.faces):
+        raise InputError(f"{posed.name} and {full.name} must have the same vertices and faces")
+    count = full.vertex_count
+    return Fragment(
+        posed, points_at_vertices(full, np.arange(count)), full, np.ones(count, dtype=bool)
+    )
+
+
+def cut_by_plane(fragment: Fragment, point: ArrayLike, normal: ArrayLike) -> Fragment:
+    """What lies on the side of a plane that `normal` (3,) points to; `point` (3,) l is on it.
+
+    Both in the coordinates of the fragment. The cut is straight, except that it goes through a
+    vertex that it would pass within 2 % of an edge.
+
+    Raises
+    ------
+    InfeasibleError
+        If nothing lies on that side.
+    OptionError
+        If the normal is zero.
+    """
+    direction = np.asarray(normal, dtype=np.float64)
+    if not np.linalg.norm(direction) > 0:
+        raise OptionError(f"normal is {normal}, but a direction is needed")
+    height = ((fragment.mesh.vertices - np.asarray(point, dtype=np.float64)) * direction).sum(axis=1)
+    return _taken(fragment, *clip(fragment.mesh, height))
+
+
+def cut_by_ball(fragment: Fragment, center: int, radius: float) -> Fragment:
+    """What lies within a geodesic distance of vertex `center` of the fragment.
+
+    Raises
+    ------
+    OptionError
+        If `radius` is not positive.
+    """
+    return _taken(fragment, *clip(fragment.mesh, _inside_ball(fragment, center, radius)))
+
+
+def punch_holes(
+    fragment: Fragment, count: int, *, radius: float, rng: np.random.Generator
+) -> Fragment:
+    """The fragment without `count` geodesic balls around random vertices.
+
+    Holes may overlap each other and the border. Of what is left, the largest piece is kept.
+
+    Raises
+    ------
+    InfeasibleError
+        If nothing is left.
+    """
+    for _ in range(count):
+        # weighted by area, so that dense regions attract no more holes
+        areas = fragment.mesh.vertex_areas
+        center = int(rng.choice(len(areas), p=areas / areas.sum()))
+        fragment = _taken(fragment, *clip(fragment.mesh, -_inside_ball(fragment, center, radius)))
+    return largest_piece(fragment)
+
+
+def largest_piece(fragment: Fragment) -> Fragment:
+    """The connected piece with the largest area."""
+    labels = fragment.mesh.component_labels[fragment.mesh.faces[:, 0]]
+    largest = int(np.bincount(labels, fragment.mesh.face_areas).argmax())
+    mesh, kept = fragment.mesh.submesh(labels == largest)
+    return replace(fragment, mesh=mesh, truth=fragment.truth[kept], present=fragment.present[kept])
+
+
+def remeshed(fragment: Fragment, factor: float) -> Fragment:
+    """New triangles, edges `factor` times as long as the mean now; the truth is carried over.
+
+    New vertices lie on the old faces, so the truth stays exact the first time. Remeshing what was
+    remeshed before moves them off the full shape by about the square of the edge length times
+    the curvature; the truth is then the closest point of the full shape in its own pose.
+    """
+    return _taken(fragment, *remesh(fragment.mesh, factor * fragment.mesh.mean_edge_length))
+
+
+def decimated(fragment: Fragment, vertex_count: int) -> Fragment:
+    """Fewer vertices; see :func:`sherd.spectral.sampling.decimate` for what is met and kept."""
+    return _taken(fragment, *decimate(fragment.mesh, vertex_count))
+
+
+def noisy(fragment: Fragment, sigma: float, *, rng: np.random.Generator) -> Fragment:
+    """Every vertex moved by Gaussian noise of deviation `sigma` along each axis."""
+    shift = rng.normal(size=fragment.mesh.vertices.shape) * sigma * fragment.full.length
+    return _with_vertices(fragment, fragment.mesh.vertices + shift)
+
+
+def moved(fragment: Fragment, rng: np.random.Generator) -> Fragment:
+    """A random rotation, uniform over all, and a random translation of about one length."""
+    frame, triangular = np.linalg.qr(rng.normal(size=(3, 3)))
+    frame = frame * np.sign(np.diag(triangular))
+    if np.linalg.det(frame) < 0:
+        frame[:, 0] = -frame[:, 0]
+    shift = rng.normal(size=3) * fragment.full.length
+    return _with_vertices(fragment, fragment.mesh.vertices @ frame.T + shift)
+
+
+def scaled(fragment: Fragment, factor: float) -> Fragment:
+    """All coordinates times `factor`, which must be positive.
+
+    Raises
+    ------
+    OptionError
+        If it is not.
+    """
+    if not 0 < factor < np.inf:
+        raise OptionError(f"factor is {factor}, but a positive number is needed")
+    return _with_vertices(fragment, fragment.mesh.vertices * factor)
+
+
+def reordered(fragment: Fragment, rng: np.random.Generator) -> Fragment:
+    """Vertices, faces and the first corner of each face in random order."""
+    mesh = fragment.mesh
+    order = rng.permutation(mesh.vertex_count)
+    renumber = np.argsort(order)
+    faces = renumber[mesh.faces][rng.permutation(mesh.face_count)]
+    turn = (rng.integers(3, size=(len(faces), 1)) + np.arange(3)) % 3
+    fields = {key: values[order] for key, values in mesh.fields.items()}
+    shuffled = TriangleMesh(
+        mesh.vertices[order], np.take_along_axis(faces, turn, axis=1), fields=fields, name=mesh.name
+    )
+    return Fragment(shuffled, fragment.truth[order], fragment.full, fragment.present[order])
+
+
+def with_flipped_faces(
+    fragment: Fragment, share: float, *, rng: np.random.Generator
+) -> Fragment:
+    """A random share (0 to 1) of the faces turned inside out."""
+    mesh = fragment.mesh
+    turned = rng.random(mesh.face_count) < share
+    faces = np.where(turned[:, None], mesh.faces[:, ::-1], mesh.faces)
+    return replace(
+        fragment, mesh=TriangleMesh(mesh.vertices, faces, fields=mesh.fields, name=mesh.name)
+    )
+
+
+def with_clutter(fragment: Fragment, share: float, *, rng: np.random.Generator) -> Fragment:
+    """A bumpy ball beside the part, with `share` of its area, that belongs nowhere.
+
+    Its vertices come last and are not `present`; its fields are NaN.
+
+    Raises
+    ------
+    OptionError
+        If `share` is not positive.
+    """
+    if not 0 < share < np.inf:
+        raise OptionError(f"share is {share}, but a positive share of the part's area is needed")
+    mesh = fragment.mesh
+    vertices, faces = _bumpy_ball(share * mesh.area, mesh.area / mesh.vertex_count, rng)
+    reach = np.linalg.norm(vertices, axis=1).max()
+    place = int(rng.integers(mesh.vertex_count))
+    vertices = vertices + mesh.vertices[place] + 1.2 * reach * mesh.vertex_normals[place]
+    count = len(vertices)
+    fields = {
+        key: np.concatenate([values, np.full((count, *values.shape[1:]), np.nan)])
+        for key, values in mesh.fields.items()
+    }
+    cluttered = TriangleMesh(
+        np.concatenate([mesh.vertices, vertices]),
+        np.concatenate([mesh.faces, faces + mesh.vertex_count]),
+        fields=fields,
+        name=mesh.name,
+    )
+    nowhere = np.tile([1.0, 0.0, 0.0], (count, 1))
+    truth = SurfacePoints(
+        np.concatenate([fragment.truth.faces, np.zeros(count, dtype=np.int64)]),
+        np.concatenate([fragment.truth.barycentric, nowhere]),
+    )
+    present = np.concatenate([fragment.present, np.zeros(count, dtype=bool)])
+    return Fragment(cluttered, truth, fragment.full, present)
+
+
+def _taken(fragment: Fragment, mesh: TriangleMesh, points: SurfacePoints) -> Fragment:
+    """The fragment on a new mesh whose vertices are `points` of the old one."""
+    corners = fragment.mesh.faces[points.faces]
+    used = points.barycentric > 0
+    present = (fragment.present[corners] | ~used).all(axis=1)
+    truth = carried(fragment.full, fragment.truth, corners, points.barycentric)
+    return Fragment(mesh, truth, fragment.full, present)
+
+
+def _with_vertices(fragment: Fragment, vertices: Floats) -> Fragment:
+    return replace(fragment, mesh=fragment.mesh.with_vertices(vertices))
+
+
+def _inside_ball(fragment: Fragment, center: int, radius: float) -> Floats:
+    """Radius less geodesic distance from the center, (n,) l; negative where not connected."""
+    if not 0 < radius < np.inf:
+        raise OptionError(f"radius is {radius}, but a positive length is needed")
+    reach = radius * fragment.full.length
+    distance = Geodesics(fragment.mesh).distances_from(center)[0]
+    inside = reach - np.where(np.isfinite(distance), distance, 2 * reach)
+    if not (inside > 0).any():
+        raise InfeasibleError(f"no vertex lies within {radius} of vertex {center}")
+    return inside
+
+
+def _bumpy_ball(area: float, vertex_area: float, rng: np.random.Generator) -> tuple[Floats, Ints]:
+    """A closed surface of about the given area, its vertices about as dense as wanted."""
+    vertices = np.concatenate([np.eye(3), -np.eye(3)])
+    faces = np.array(
+        [[0, 1, 2], [1, 3, 2], [3, 4, 2], [4, 0, 2], [1, 0, 5], [3, 1, 5], [4, 3, 5], [0, 4, 5]],
+        dtype=np.int64,
+    )
+    while len(vertices) * vertex_area < 0.5 * area:
+        faces, parents = split_edges(faces, len(vertices))
+        middle = vertices[parents].sum(axis=1)
+        vertices = np.concatenate([vertices, middle / np.linalg.norm(middle, axis=1, keepdims=True)])
+    waves, phases = rng.normal(size=(3, 3)) * 2.0, rng.uniform(0, 2 * np.pi, size=3)
+    bumps = 1 + BUMPS * np.cos(vertices @ waves.T + phases).mean(axis=1)
+    return np.sqrt(area / (4 * np.pi)) * bumps[:, None] * vertices, faces
