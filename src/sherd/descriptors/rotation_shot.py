@@ -27,8 +27,10 @@ from threadpoolctl import threadpool_limits
 
 __all__ = [
     "AZIMUTHS",
+    "mirrored_spectra",
     "pooled_similarity",
     "rotation_spectra",
+    "similarity",
     "similarity_at",
     "weighted_spectra",
 ]
@@ -97,6 +99,25 @@ def weighted_spectra(spectra: Singles, weights: NDArray[np.floating]) -> Singles
     share = weights / weights.sum(axis=1, keepdims=True)
     columns = np.tile(np.repeat(share, _BINS, axis=1), 2).astype(np.float32)
     result: Singles = spectra * columns
+    return result
+
+
+def mirrored_spectra(spectra: Singles) -> Singles:
+    """Spectra of the mirrored surface: azimuths run backward, so phases change sign."""
+    half = spectra.shape[2] // 2
+    return np.concatenate([spectra[:, :, :half], -spectra[:, :, half:]], axis=2)
+
+
+def similarity(full_spectra: Singles, part_spectra: Singles) -> Singles:
+    """Similarity (q, n) of each part point with each full vertex, best over rotation."""
+    count, vertices = part_spectra.shape[1], full_spectra.shape[1]
+    everyone = np.arange(vertices)
+    result = np.empty((count, vertices), dtype=np.float32)
+    block = max(1, int(1e6) // vertices)  # rows whose rotations fit into 64 MB
+    for start in range(0, count, block):
+        rows = slice(start, min(start + block, count))
+        found = pooled_similarity(full_spectra, part_spectra[:, rows], everyone, vertices)
+        found.max(axis=2, out=result[rows])
     return result
 
 

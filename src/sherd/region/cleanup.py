@@ -1,0 +1,89 @@
+"""From a soft membership to a crisp region of the right area, without crumbs and pinholes."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+from scipy.sparse import csgraph
+
+__all__ = ["clean_region", "grow_region", "pieces", "threshold_to_area"]
+
+Floats = NDArray[np.float64]
+Bools = NDArray[np.bool_]
+
+# A piece or hole below this share of the part's area is an artifact of thresholding: a disk of
+# this area is about as wide as the boundary layer of the membership.
+SMALLEST_PIECE = 0.02
+# Dropping a piece moves the threshold, which may cut off another; this settles at once or soon.
+CLEANING_PASSES = 5
+
+
+def threshold_to_area(scores: Floats, areas: Floats, area: float) -> Bools:
+    """The vertices of highest score (n,) whose areas add up to `area`, as near as they can.
+
+    Ties go to the lower index. At least one vertex is taken.
+    """
+    order = np.argsort(-scores, kind="stable")
+    total = np.cumsum(areas[order])
+    count = int(np.searchsorted(total, area))
+    # take the next vertex as well if that comes nearer to the area
+    if count < len(order):
+        before = total[count - 1] if count else 0.0
+        count += int(total[count] - area <= area - before)
+    mask = np.zeros(len(scores), dtype=bool)
+    mask[order[: max(count, 1)]] = True
+    return mask
+
+
+def pieces(mask: Bools, adjacency: sparse.csr_array) -> NDArray[np.int64]:
+    """Number of the connected piece of each vertex in `mask` (n,), from 0; -1 outside."""
+    inside = np.flatnonzero(mask)
+    labels = np.full(len(mask), -1, dtype=np.int64)
+    if len(inside):
+        _, found = csgraph.connected_components(adjacency[inside][:, inside], directed=False)
+        labels[inside] = found
+    return labels
+
+
+def clean_region(
+    scores: Floats, areas: Floats, area: float, *, adjacency: sparse.csr_array
+) -> Bools:
+    """Threshold to the area, then drop small pieces and fill small holes at the same area.
+
+    Several large pieces are left alone: a part may have several components.
+    """
+    adjusted = scores.astype(np.float64)
+    for _ in range(CLEANING_PASSES):
+        mask = threshold_to_area(adjusted, areas, area)
+        crumbs = _small(mask, areas, area, adjacency)
+        holes = _small(~mask, areas, area, adjacency)
+        if crumbs[mask].all():  # nothing large is left to keep
+            return mask
+        if not crumbs.any() and not holes.any():
+            return mask
+        adjusted[crumbs] = -np.inf
+        adjusted[holes] = np.inf
+    return threshold_to_area(adjusted, areas, area)
+
+
+def grow_region(core: Bools, distances: Floats, areas: Floats, area: float) -> Bools:
+    """Add the vertices nearest to `core` (n,) until the area is met.
+
+    `distances` (n,) are geodesic distances to the core, 0 on it. This is the way back from the
+    region of the part's interior to that of the whole part: the band that was left out has the
+    same width everywhere.
+    """
+    reachable = np.where(core, -1.0, np.where(np.isfinite(distances), distances, 1e300))
+    return threshold_to_area(-reachable, areas, area) | core
+
+
+def _small(mask: Bools, areas: Floats, area: float, adjacency: sparse.csr_array) -> Bools:
+    labels = pieces(mask, adjacency)
+    if labels.max() < 0:
+        return np.zeros(len(mask), dtype=bool)
+    sizes = np.bincount(labels[mask], areas[mask])
+    small = sizes < SMALLEST_PIECE * area
+    result = np.zeros(len(mask), dtype=bool)
+    result[mask] = small[labels[mask]]
+    return result

@@ -1,0 +1,258 @@
+"""Locating as the paper does: by the integral of descriptors over the part's interior."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sherd.descriptors.field import Descriptor, DescriptorField, Surface
+from sherd.descriptors.heat_kernel import HeatKernel, automatic_times
+from sherd.descriptors.shot import Shot
+from sherd.descriptors.vocabulary import learn_vocabulary
+from sherd.descriptors.wave_kernel import WaveKernel
+from sherd.errors import OptionError
+from sherd.mesh import topology
+from sherd.mesh.triangle_mesh import TriangleMesh
+from sherd.output import Stages
+from sherd.region.cleanup import clean_region, grow_region
+from sherd.region.exponential import exponential_regions
+from sherd.region.full import full_region
+from sherd.region.logistic import logistic_regions
+from sherd.region.mumford_shah import EnergyTerms, data_term
+from sherd.region.options import LocateOptions
+from sherd.region.problem import EnergyWeights, RegionProblem, region_problem
+from sherd.region.region import Found, Placement
+from sherd.region.status import Status
+from sherd.region.subspace import subspace_region
+from sherd.region.weights import chosen_weights
+from sherd.spectral.basis import EigenBasis, eigenbasis
+from sherd.spectral.geodesics import Geodesics
+from sherd.spectral.sampling import farthest_point_sample
+
+__all__ = ["InteriorQuestion", "ball_starts", "interior_question", "locate_by_integrals"]
+
+Floats = NDArray[np.float64]
+
+# Heat kernels at times near 1e-3 of the area need about this many eigenpairs (Weyl: lambda_k is
+# near 4 pi k / area, and exp(-lambda_k t) must be small).
+DESCRIPTOR_BASIS = 300
+HEAT_TIMES = 8
+WAVE_ENERGIES = 16
+# SHOT at one radius, the width of a limb; a cut spoils it less than beyond its whole radius.
+SHOT_RADIUS = 0.07
+# Least share of the part's area that is kept as interior: with less, the integral is noise. The
+# vertices deepest inside are taken then.
+LEAST_INTERIOR = 0.2
+# Balls around farthest points: spaced below their own radius for any part above 5 % of the area.
+START_COUNT = 24
+# Two placements that share this much of one are the same.
+SAME_PLACE = 0.5
+
+
+@dataclass(frozen=True, eq=False)
+class InteriorQuestion:
+    """The energy for the part's interior, and the way back to the whole part.
+
+    Attributes
+    ----------
+    problem
+        The energy on the full shape.
+    interior
+        (n_part,) bool, the vertices of the part that were integrated.
+    """
+
+    problem: RegionProblem
+    interior: NDArray[np.bool_]
+
+
+@dataclass(frozen=True, eq=False)
+class _Answer:
+    membership: Floats
+    phase_field: Floats
+    energy: EnergyTerms
+    status: Status
+
+
+def interior_question(
+    full: Surface,
+    part: Surface,
+    descriptor: Descriptor,
+    *,
+    vocabulary_size: int,
+    weights: EnergyWeights,
+    rng: np.random.Generator,
+) -> InteriorQuestion:
+    """Integrate soft words of a descriptor over the vertices of the part that the cut left alone.
+
+    Numbers are standardized by their spread on the full shape, so that all weigh alike; the
+    words are learned on the full shape.
+    """
+    full_field, part_field = descriptor.describe(full), descriptor.describe(part)
+    center = full_field.values.mean(axis=0)
+    # a constant number says nothing; any scale will do
+    scale = np.maximum(full_field.values.std(axis=0), 1e-12 * (1 + np.abs(center)))
+    standard_full = (full_field.values - center) / scale
+    standard_part = (part_field.values - center) / scale
+    words = learn_vocabulary(standard_full, min(vocabulary_size, full.mesh.vertex_count), rng=rng)
+    interior = _interior(part_field, part)
+    areas = part.mesh.vertex_areas * interior
+    problem = region_problem(
+        full.mesh,
+        full_descriptors=words.histograms(standard_full),
+        part_integral=words.histograms(standard_part).T @ areas,
+        part_area=min(float(areas.sum()), full.mesh.area),
+        weights=weights,
+    )
+    return InteriorQuestion(problem, interior)
+
+
+def ball_starts(mesh: TriangleMesh, area: float, *, count: int = START_COUNT) -> Floats:
+    """Geodesic balls of the given area around farthest points, (count, n) float 0 or 1."""
+    used = np.unique(mesh.faces)
+    first = int(used[np.linalg.norm(mesh.vertices[used], axis=1).argmax()])
+    _, distances = farthest_point_sample(Geodesics(mesh), min(count, len(used)), start=first)
+    order = np.argsort(distances, axis=1, kind="stable")
+    total = np.cumsum(mesh.vertex_areas[order], axis=1)
+    starts = np.zeros_like(distances)
+    np.put_along_axis(starts, order, (total <= area).astype(float), axis=1)
+    return starts
+
+
+def locate_by_integrals(
+    full: TriangleMesh, part: TriangleMesh, options: LocateOptions, stages: Stages
+) -> Found:
+    """Locate `part` on `full`, which has area 1; see :func:`sherd.locate`."""
+    with stages("eigenbasis"):
+        size = max(options.basis_size, DESCRIPTOR_BASIS if options.descriptor != "shot" else 0)
+        rich = eigenbasis(full, size)
+        surfaces = (
+            Surface(full, rich, full.length, _cut_distance(full)),
+            Surface(part, eigenbasis(part, size), full.length, _cut_distance(part)),
+        )
+        basis = rich.truncated(options.basis_size)
+    with stages("descriptors"):
+        question = interior_question(
+            *surfaces,
+            _descriptor(options, *surfaces),
+            vocabulary_size=options.vocabulary_size,
+            weights=chosen_weights(options, basis, min(part.area, full.area)),
+            rng=np.random.default_rng(options.seed),
+        )
+    with stages("region"):
+        answers = _solve(question.problem, full, basis, options)
+    with stages("growth"):
+        geodesics = Geodesics(full)
+        masks = [_whole(answer, question.problem, full, part.area, geodesics) for answer in answers]
+    best, mask = answers[0], masks[0]
+    shares = [float(full.vertex_areas[mask & other].sum()) for other in masks]
+    others = tuple(
+        Placement("elsewhere", answer.membership, other, _score(question, answer), mirrored=False)
+        for answer, other, shared in zip(answers, masks, shares, strict=True)
+        if shared < SAME_PLACE * float(full.vertex_areas[mask].sum())
+    )
+    return Found(
+        membership=_raised_to_area(best.membership, full.vertex_areas, min(part.area, full.area)),
+        mask=mask,
+        phase_field=best.phase_field,
+        score=_score(question, best),
+        energy=best.energy,
+        status=best.status,
+        alternatives=others,
+        weights=question.problem.weights,
+    )
+
+
+def _descriptor(options: LocateOptions, full: Surface, part: Surface) -> Descriptor:
+    unit = full.length**2
+    if options.descriptor == "shot":
+        return Shot((SHOT_RADIUS,))
+    if options.descriptor == "hks":
+        times = automatic_times([full, part], HEAT_TIMES) / unit
+        return HeatKernel(tuple(times.tolist()))
+    if options.descriptor == "wks":
+        highest = min(s.basis.eigenvalues[-1] for s in (full, part)) * unit
+        # waves longer than the part see only its outline: 4 pi is the scale of lambda_1 * area
+        lowest = 4 * np.pi * full.mesh.area / part.mesh.area
+        return WaveKernel.between(min(lowest, highest / 4), highest, WAVE_ENERGIES)
+    raise OptionError(f"descriptor {options.descriptor!r} is unknown")
+
+
+def _interior(field: DescriptorField, part: Surface) -> NDArray[np.bool_]:
+    areas, interior = part.mesh.vertex_areas, field.interior
+    if areas[interior].sum() >= LEAST_INTERIOR * part.mesh.area:
+        return interior
+    order = np.argsort(-part.cut_distance, kind="stable")
+    total = np.cumsum(areas[order])
+    deepest = np.zeros(len(areas), dtype=bool)
+    deepest[order[: int(np.searchsorted(total, LEAST_INTERIOR * total[-1])) + 1]] = True
+    return deepest
+
+
+def _solve(
+    problem: RegionProblem, full: TriangleMesh, basis: EigenBasis, options: LocateOptions
+) -> list[_Answer]:
+    """Answers of least energy first; the convex methods have one."""
+    if options.method == "subspace":
+        answer = subspace_region(
+            problem, basis, solver=options.solver, iterations=options.iterations
+        )
+        return [_Answer(answer.membership, answer.phase_field, answer.energy, answer.status)]
+    if options.method == "full":
+        whole = full_region(problem, iterations=options.iterations)
+        return [_Answer(whole.membership, whole.phase_field, whole.energy, whole.status)]
+    starts = ball_starts(full, problem.part_area)
+    if options.method == "logistic":
+        return [
+            _Answer(region.membership, region.phase_field, region.energy, region.status)
+            for region in logistic_regions(problem, basis, starts)
+        ]
+    if options.method == "exponential":
+        return [
+            _Answer(region.membership, region.phase_field, region.energy, region.status)
+            for region in exponential_regions(problem, basis, starts)
+        ]
+    raise OptionError(f"method {options.method!r} does not match integrals")
+
+
+def _whole(
+    answer: _Answer,
+    problem: RegionProblem,
+    full: TriangleMesh,
+    part_area: float,
+    geodesics: Geodesics,
+) -> NDArray[np.bool_]:
+    """Crisp region of the interior, grown back over the band that was left out."""
+    adjacency = topology.adjacency(full.faces, full.vertex_count)
+    areas = full.vertex_areas
+    core = clean_region(answer.membership, areas, problem.part_area, adjacency=adjacency)
+    distances = geodesics.distances_to_set(np.flatnonzero(core))
+    return grow_region(core, distances, areas, min(part_area, full.area))
+
+
+def _raised_to_area(membership: Floats, areas: Floats, area: float) -> Floats:
+    """`membership ** g` with g in (0, 1] such that it integrates to `area`, or comes nearest.
+
+    The membership of the interior integrates to less than the part's area; a power keeps its
+    order and bounds.
+    """
+    low, high = 0.0, 1.0
+    for _ in range(60):  # halving 60 times exhausts float64
+        middle = 0.5 * (low + high)
+        if areas @ membership**middle > area:
+            low = middle
+        else:
+            high = middle
+    raised: Floats = membership**high
+    return raised
+
+
+def _score(question: InteriorQuestion, answer: _Answer) -> float:
+    """1 minus the relative residual of the descriptor integral, at least 0."""
+    return max(0.0, 1.0 - float(np.sqrt(data_term(question.problem, answer.membership))))
+
+
+def _cut_distance(mesh: TriangleMesh) -> Floats:
+    """Distance to the boundary, (n,), in units of the full shape's length, which is 1 here."""
+    return Geodesics(mesh).distances_to_set(mesh.boundary_vertices)

@@ -1,0 +1,113 @@
+"""locate(full, part): the region of the full shape where the part belongs."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from sherd._version import __version__
+from sherd.errors import InfeasibleError
+from sherd.mesh.triangle_mesh import TriangleMesh
+from sherd.output import Stages
+from sherd.region.integral_matching import locate_by_integrals
+from sherd.region.options import LocateOptions
+from sherd.region.problem import LARGEST_AREA_RATIO
+from sherd.region.region import Region
+from sherd.region.voting import locate_by_voting
+
+__all__ = ["locate"]
+
+
+def locate(
+    full: TriangleMesh,
+    part: TriangleMesh,
+    options: LocateOptions | None = None,
+    *,
+    stages: Stages | None = None,
+) -> Region:
+    """Find where on `full` the deformed, incomplete `part` belongs.
+
+    Rotation, translation, vertex order, meshing and the common unit do not matter; the part's
+    scale is that of the full shape.
+
+    Parameters
+    ----------
+    full
+        The whole shape.
+    part
+        A deformed piece of it; at most 1.05 times its area.
+    options
+        The defaults of :class:`LocateOptions` if None.
+    stages
+        Collects timings and shows progress; a silent one if None.
+
+    Returns
+    -------
+    Region
+        Membership, mask, phase field, score, alternatives; ``region.check()`` proves it.
+
+    Raises
+    ------
+    InfeasibleError
+        If the part is larger than 1.05 times the full shape, or a shape has no area.
+
+    Notes
+    -----
+    About 4 s for 10,000 + 5,000 vertices on two cores; cost grows linearly with the vertices of
+    the full shape, memory by 30 kB per vertex.
+
+    References
+    ----------
+    Hurtado-Jauregui, *Piece-wise partial matching of non-rigid shapes*: energy, subspace and, as
+    future work there, the logistic membership. The votes are our own, see
+    :mod:`sherd.region.soft_match`.
+    """
+    options = options or LocateOptions()
+    stages = stages or Stages(visible=False)
+    _check_areas(full, part)
+    # At area 1 and at the origin, so that no number below depends on the unit of the files.
+    unit_full = _moved(full, full.length)
+    unit_part = _moved(part, full.length)
+    method = locate_by_voting if options.method == "voting" else locate_by_integrals
+    found = method(unit_full, unit_part, options, stages)
+    return Region(
+        full=full,
+        part=part,
+        membership=found.membership,
+        mask=found.mask,
+        phase_field=found.phase_field,
+        score=found.score,
+        energy=found.energy,
+        status=found.status,
+        alternatives=found.alternatives,
+        options=replace(
+            options,
+            regularity=found.weights.regularity,
+            smoothness=found.weights.smoothness,
+            boundary=found.weights.boundary,
+            phase_width=found.weights.phase_width,
+        ),
+        timings=dict(stages.seconds),
+        version=__version__,
+    )
+
+
+def _check_areas(full: TriangleMesh, part: TriangleMesh) -> None:
+    for mesh in (full, part):
+        if not (np.isfinite(mesh.area) and mesh.area > 0):
+            raise InfeasibleError(
+                f"{mesh.name}: the surface has area {mesh.area}, so nothing can be matched; "
+                "its faces are degenerate or its coordinates too small"
+            )
+    if part.area > LARGEST_AREA_RATIO * full.area:
+        raise InfeasibleError(
+            f"{part.name} has {part.area / full.area:.2f} times the area of {full.name}, but a "
+            f"part is at most {LARGEST_AREA_RATIO} times as large as the full shape; are the two "
+            "swapped, or in different units?"
+        )
+
+
+def _moved(mesh: TriangleMesh, unit: float) -> TriangleMesh:
+    center = (mesh.vertices.max(axis=0) + mesh.vertices.min(axis=0)) / 2
+    return mesh.with_vertices((mesh.vertices - center) / unit)

@@ -1,0 +1,154 @@
+"""Soft matching: where could each sample of the part lie? No correspondence is decided.
+
+Every sample y of the part spreads one unit of probability p_y over the vertices x of the full
+shape. Three things shape it: the similarity of the two neighborhoods, the *context* (what lies
+around y must lie around x, as a bag of words with no order or direction), and the *capacity* (no
+place can be used twice, since the part is a piece of the full shape). The sum over the samples,
+weighted by their areas, is a membership in [0, 1] with the area of the part: the constraint of the
+paper, met before any region is drawn.
+
+References
+----------
+Bronstein, Bronstein, Guibas, Ovsjanikov, *Shape Google*, 2011, section 4.2: words in their spatial
+context through the heat kernel. Sinkhorn and Knopp, 1967: scaling to given margins; here the
+margin of the full shape is an upper bound, so its scale never rises above one. The combination is
+our own.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["MatchGeometry", "soft_match", "spread"]
+
+Floats = NDArray[np.float64]
+Singles = NDArray[np.float32]
+
+# Temperature of the similarity: a right partner on another pose and meshing scores about this much
+# below the best of all vertices (median 0.01 on the generated animal). Half and double the value
+# change the answer little, because context decides between what similarity leaves open.
+TEMPERATURE = 0.01
+# Widths of the context, in sqrt(area of the full shape): from the size of a limb's girth, which
+# tells body parts apart, down to the largest SHOT radius, below which SHOT itself is the context.
+CONTEXT_WIDTHS = (0.15, 0.15, 0.15, 0.15, 0.10, 0.10, 0.10, 0.10)
+# Weight of the context: about as many independent neighborhoods as fit into a context disk of
+# width 0.15 around a SHOT disk of radius 0.1, beyond the first.
+CONTEXT_WEIGHT = 6.0
+# Density below which a context counts as absent, relative to probability spread over everything:
+# a sample with a wrong context must stay possible, or one bad neighbor would veto it.
+ABSENT = 0.1
+# The capacity acts on mass smoothed over the spacing of samples, since one sample stands for its
+# whole cell. 200 samples of half the surface lie 0.05 apart.
+CAPACITY_WIDTH = 0.04
+# Scaling steps per round; the rounds go on where the last one stopped.
+CAPACITY_STEPS = 3
+
+
+@dataclass(frozen=True, eq=False)
+class MatchGeometry:
+    """What soft matching needs beside the similarities; lengths in sqrt(area of the full shape).
+
+    Attributes
+    ----------
+    sample_areas
+        (q,) share of each sample in the part's area; sums to 1.
+    trust
+        (q,) in (0, 1], how undisturbed by the cut the sample's neighborhood is.
+    sample_distances
+        (q, q) geodesic distances between the samples, inf where not connected.
+    areas
+        (n,) share of each vertex in the full shape's area; sums to 1.
+    part_fraction
+        Area of the part over area of the full shape.
+    eigenvalues, eigenvectors
+        (k,) and (n, k) of the full shape at area 1.
+    """
+
+    sample_areas: Floats
+    trust: Floats
+    sample_distances: Floats
+    areas: Floats
+    part_fraction: float
+    eigenvalues: Floats
+    eigenvectors: Singles
+
+
+def soft_match(
+    similarity: Singles, geometry: MatchGeometry, *, forbidden: NDArray[np.bool_] | None = None
+) -> Singles:
+    """Probability (q, n) float32 that sample y lies at vertex x; each row sums to 1.
+
+    Parameters
+    ----------
+    similarity
+        (q, n) in [-1, 1].
+    geometry
+        Areas, distances and the basis that smooths.
+    forbidden
+        (n,) vertices that no sample may use; None allows all.
+
+    Notes
+    -----
+    A round costs `4 q n k` operations; 0.6 s in all for 200 samples and 10,000 vertices.
+    """
+    best = similarity.max(axis=1, keepdims=True)
+    areas = np.maximum(geometry.areas, 1e-12).astype(np.float32)
+    likelihood = (similarity - best) / np.float32(TEMPERATURE) + np.log(areas)
+    if forbidden is not None:
+        likelihood[:, forbidden] = -np.float32(1e4)  # exp(-1e4) = 0, and sums stay finite
+    capacity = _Capacity(geometry)
+    probability = capacity.normalized(likelihood)
+    for width in CONTEXT_WIDTHS:
+        neighbors = _neighbor_weights(geometry, width)
+        density = spread(probability, geometry, width)
+        context = neighbors @ np.log(np.float32(ABSENT) + density)
+        probability = capacity.normalized(likelihood + np.float32(CONTEXT_WEIGHT) * context)
+    return probability
+
+
+def spread(mass: Singles, geometry: MatchGeometry, width: float) -> Singles:
+    """Density (q, n) of masses (q, n) after heat flow of standard deviation `width`, never < 0.
+
+    A total mass of 1 spread evenly has density 1.
+    """
+    decay = np.exp(-0.5 * width**2 * geometry.eigenvalues).astype(np.float32)
+    coefficients = (mass @ geometry.eigenvectors) * decay
+    density: Singles = np.asarray(coefficients @ geometry.eigenvectors.T)
+    np.maximum(density, 0.0, out=density)  # a truncated heat kernel dips below 0 far away
+    return density
+
+
+class _Capacity:
+    """Row-normalizes log probabilities while a price keeps every place from being used twice."""
+
+    def __init__(self, geometry: MatchGeometry) -> None:
+        self._geometry = geometry
+        self._mass = (geometry.sample_areas * geometry.part_fraction).astype(np.float32)
+        self._price = np.zeros(len(geometry.areas), dtype=np.float32)
+
+    def normalized(self, scores: Singles) -> Singles:
+        for _ in range(CAPACITY_STEPS):
+            probability = scores - self._price
+            probability -= probability.max(axis=1, keepdims=True)
+            np.exp(probability, out=probability)
+            probability /= probability.sum(axis=1, keepdims=True)
+            used = spread((self._mass @ probability)[None], self._geometry, CAPACITY_WIDTH)[0]
+            # a free place lowers its price again, never below nothing
+            self._price += np.log(np.maximum(used, np.float32(1e-3)))
+            np.maximum(self._price, 0.0, out=self._price)
+        return probability
+
+
+def _neighbor_weights(geometry: MatchGeometry, width: float) -> Singles:
+    """Weight (q, q) of each other sample in the context of a sample, rows sum to 1 or are 0."""
+    distances = np.where(np.isfinite(geometry.sample_distances), geometry.sample_distances, 1e3)
+    weights = np.exp(-0.5 * (distances / width) ** 2) * (geometry.trust * geometry.sample_areas)
+    np.fill_diagonal(weights, 0.0)
+    total = weights.sum(axis=1, keepdims=True)
+    result: Singles = np.divide(
+        weights, total, out=np.zeros_like(weights), where=total > 1e-12
+    ).astype(np.float32)
+    return result

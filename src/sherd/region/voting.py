@@ -1,0 +1,244 @@
+"""Locating by votes: soft matches of the part's samples, drawn as a Mumford-Shah region."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sherd.descriptors.rotation_shot import (
+    mirrored_spectra,
+    rotation_spectra,
+    similarity,
+    weighted_spectra,
+)
+from sherd.descriptors.tangent_frames import smoothed_normals, tangent_axes
+from sherd.mesh import topology
+from sherd.mesh.triangle_mesh import TriangleMesh
+from sherd.output import Stages
+from sherd.region.cleanup import clean_region
+from sherd.region.logistic import LogisticOptions, LogisticRegion, logistic_regions
+from sherd.region.options import LocateOptions
+from sherd.region.part_samples import PartSamples, sample_part
+from sherd.region.problem import EnergyWeights, region_problem
+from sherd.region.region import Found, Placement
+from sherd.region.soft_match import CAPACITY_WIDTH, MatchGeometry, soft_match, spread
+from sherd.region.weights import chosen_weights
+from sherd.spectral.basis import EigenBasis, eigenbasis
+
+__all__ = ["locate_by_voting"]
+
+Floats = NDArray[np.float64]
+Singles = NDArray[np.float32]
+
+# Radii of the neighborhoods, in sqrt(area of the full shape): from the smallest that holds some 40
+# vertices of a 10,000-vertex mesh to the width of a limb.
+RADII = (0.04, 0.06, 0.10)
+# Smoothing length of the normal axis: wider than the vertex spacing (0.01 at 10,000 vertices),
+# narrower than the smallest radius.
+AXIS_WIDTH = 0.012
+# A neighborhood reaching far over the cut still says something about the near side.
+LEAST_TRUST = 0.15
+# The data term asks for the whole area of each of this many groups of samples: as many as there
+# are body parts to tell apart, and few enough to keep the products small.
+GROUP_COUNT = 32
+
+
+# An alternative that shares this much of the best region's votes is the same placement.
+SAME_PLACE = 0.5
+FINAL = LogisticOptions(search_evaluations=20, survivors=1)
+# Alternatives are sketches: one round instead of three.
+SKETCH = LogisticOptions(search_evaluations=20, survivors=1, crispness=(0.02,))
+
+
+@dataclass(frozen=True, eq=False)
+class Similarities:
+    """Similarity of each sample with each vertex, as it is and mirrored, (q, n) float32 each."""
+
+    direct: Singles
+    mirrored: Singles
+
+
+@dataclass(frozen=True, eq=False)
+class VotedPlace:
+    """Where the samples voted.
+
+    Attributes
+    ----------
+    votes
+        (n,) density of the part's area by votes, about 1 inside and 0 outside.
+    group_votes
+        (n, g) the same by groups of samples.
+    group_areas
+        (g,) share of each group in the full shape's area.
+    score
+        Mean similarity at the votes, at most 1.
+    """
+
+    votes: Floats
+    group_votes: Floats
+    group_areas: Floats
+    score: float
+
+
+def locate_by_voting(
+    full: TriangleMesh, part: TriangleMesh, options: LocateOptions, stages: Stages
+) -> Found:
+    """Locate `part` on `full`, which has area 1; see :func:`sherd.locate`."""
+    fraction = min(part.area, full.area)
+    with stages("eigenbasis"):
+        basis = eigenbasis(full, options.basis_size)
+    with stages("samples"):
+        samples = sample_part(part, 1.0)
+        geometry = match_geometry(full, basis, samples, fraction)
+    with stages("descriptors"):
+        similarities = compare(full, part, samples)
+    with stages("votes"):
+        place = vote(similarities.direct, geometry)
+    with stages("region"):
+        drawing = _Drawing(full, basis, fraction, chosen_weights(options, basis, fraction))
+        best, mask = drawing.region(place, FINAL)
+    with stages("alternatives"):
+        others = _alternatives(similarities, geometry, mask, drawing)
+    return Found(
+        membership=best.membership,
+        mask=mask,
+        phase_field=best.phase_field,
+        score=place.score,
+        energy=best.energy,
+        status=best.status,
+        alternatives=others,
+        weights=drawing.weights,
+    )
+
+
+def compare(full: TriangleMesh, part: TriangleMesh, samples: PartSamples) -> Similarities:
+    """Rotation-searched SHOT of the samples against every vertex of the full shape.
+
+    `full` has area 1 and `part` the same unit. Radii that reach over the cut count less.
+    """
+    everywhere = np.arange(full.vertex_count)
+    full_spectra = _spectra(full, everywhere)
+    trust = np.clip(samples.cut_distance[samples.vertices, None] / np.array(RADII), LEAST_TRUST, 1)
+    part_spectra = weighted_spectra(_spectra(part, samples.vertices), trust)
+    return Similarities(
+        similarity(full_spectra, part_spectra),
+        similarity(full_spectra, mirrored_spectra(part_spectra)),
+    )
+
+
+def match_geometry(
+    full: TriangleMesh, basis: EigenBasis, samples: PartSamples, part_fraction: float
+) -> MatchGeometry:
+    """Gather what soft matching needs; `full` and `basis` at area 1."""
+    depth = samples.cut_distance[samples.vertices]
+    return MatchGeometry(
+        sample_areas=samples.areas,
+        trust=np.clip(depth / RADII[1], LEAST_TRUST, 1.0),
+        sample_distances=samples.distances,
+        areas=full.vertex_areas / full.area,
+        part_fraction=part_fraction,
+        eigenvalues=basis.eigenvalues,
+        eigenvectors=np.ascontiguousarray(basis.eigenvectors, dtype=np.float32),
+    )
+
+
+def vote(
+    similarities: Singles,
+    geometry: MatchGeometry,
+    *,
+    forbidden: NDArray[np.bool_] | None = None,
+) -> VotedPlace:
+    """Let every sample vote; `forbidden` (n,) are vertices that get none."""
+    probability = soft_match(similarities, geometry, forbidden=forbidden)
+    agreement = np.einsum("qn,qn->q", probability, similarities)
+    groups = _groups(geometry)
+    shares = np.zeros((groups.max() + 1, len(groups)))
+    shares[groups, np.arange(len(groups))] = geometry.sample_areas * geometry.part_fraction
+    mass = shares.astype(np.float32) @ probability
+    density = spread(mass, geometry, CAPACITY_WIDTH).astype(np.float64)
+    # what the clipping of the truncated heat kernel added is taken off again, group by group
+    total = np.maximum(density @ geometry.areas, 1e-30)
+    density *= (shares.sum(axis=1) / total)[:, None]
+    return VotedPlace(
+        votes=density.sum(axis=0),
+        group_votes=density.T,
+        group_areas=shares.sum(axis=1),
+        score=float(agreement @ geometry.sample_areas),
+    )
+
+
+def _alternatives(
+    similarities: Similarities,
+    geometry: MatchGeometry,
+    mask: NDArray[np.bool_],
+    drawing: _Drawing,
+) -> tuple[Placement, ...]:
+    """The mirrored twin and the best place outside the best region, if they are other places."""
+    candidates = [("mirrored twin", vote(similarities.mirrored, geometry), True)]
+    room = float(geometry.areas[~mask].sum())
+    if room >= geometry.part_fraction:
+        elsewhere = vote(similarities.direct, geometry, forbidden=mask)
+        candidates.append(("elsewhere", elsewhere, False))
+    found = []
+    for name, place, mirrored in candidates:
+        region, outline = drawing.region(place, SKETCH)
+        shared = float(geometry.areas[mask & outline].sum())
+        if shared < SAME_PLACE * float(geometry.areas[mask].sum()):
+            found.append(Placement(name, region.membership, outline, place.score, mirrored))
+    return tuple(sorted(found, key=lambda placement: -placement.score))
+
+
+@dataclass(frozen=True, eq=False)
+class _Drawing:
+    """Draws the region of least energy for given votes."""
+
+    full: TriangleMesh
+    basis: EigenBasis
+    part_area: float
+    weights: EnergyWeights
+
+    def region(
+        self, place: VotedPlace, effort: LogisticOptions
+    ) -> tuple[LogisticRegion, NDArray[np.bool_]]:
+        """The logistic membership and its crisp form (n,) bool.
+
+        The data term of the paper asks that each group of samples finds its whole area inside;
+        the votes themselves are the evidence at each vertex.
+        """
+        problem = region_problem(
+            self.full,
+            full_descriptors=place.group_votes,
+            part_integral=place.group_areas,
+            part_area=self.part_area,
+            weights=self.weights,
+            evidence=np.minimum(place.votes, 1.0) - 0.5,
+        )
+        start = np.clip(place.votes, 0.0, 1.0)
+        region = logistic_regions(problem, self.basis, start[None], options=effort)[0]
+        adjacency = topology.adjacency(self.full.faces, self.full.vertex_count)
+        areas = self.full.vertex_areas
+        mask = clean_region(region.membership, areas, self.part_area, adjacency=adjacency)
+        return region, mask
+
+
+def _spectra(mesh: TriangleMesh, vertices: NDArray[np.int64]) -> Singles:
+    normals = smoothed_normals(mesh, AXIS_WIDTH)
+    axes = normals[vertices]
+    return rotation_spectra(
+        mesh.vertices,
+        normals,
+        mesh.vertex_areas,
+        vertices,
+        x_axes=tangent_axes(axes, np.tile([1.0, 0.3, 0.2], (len(vertices), 1))),
+        z_axes=axes,
+        radii=RADII,
+    )
+
+
+def _groups(geometry: MatchGeometry) -> NDArray[np.int64]:
+    """Group of each sample: the nearest of the first samples, which lie farthest apart."""
+    count = min(GROUP_COUNT, len(geometry.sample_areas))
+    nearest: NDArray[np.int64] = np.argmin(geometry.sample_distances[:count], axis=0)
+    return nearest
