@@ -31,22 +31,24 @@ export function carriedLayer(layer, full, partner) {
   return { ...layer, values };
 }
 
-// Writes RGBA bytes. Scalars below the threshold become neutral.
-export function paint(colors, layer, palette, threshold) {
-  const count = colors.length / 4;
-  const table = layer && layer.kind === "scalar" ? palette.tables[layer.colorMap] : null;
-  for (let i = 0; i < count; i++) {
-    const rgb = layer ? colorAt(layer, i, palette, table, threshold) : palette.neutral;
+// Fills RGBA bytes (alpha 0 is unknown) and, for scalars, places between the limits (0 to 1).
+export function paint(colors, values, layer, palette) {
+  const scalar = layer?.kind === "scalar";
+  const [low, high] = layer?.limits ?? [0, 1];
+  for (let i = 0; i < values.length; i++) {
+    const known = !scalar || !Number.isNaN(layer.values[i]);
+    values[i] = scalar && known ? Math.min(1, Math.max(0, (layer.values[i] - low) / (high - low))) : 0;
+    const rgb = layer && !scalar ? colorAt(layer, i, palette) : palette.neutral;
     colors[4 * i] = rgb[0];
     colors[4 * i + 1] = rgb[1];
     colors[4 * i + 2] = rgb[2];
-    colors[4 * i + 3] = 255;
+    colors[4 * i + 3] = known ? 255 : 0;
   }
 }
 
 const pixel = [0, 0, 0];
 
-function colorAt(layer, i, palette, table, threshold) {
+function colorAt(layer, i, palette) {
   if (layer.kind === "color") {
     if (Number.isNaN(layer.values[3 * i])) return palette.unknown;
     for (let k = 0; k < 3; k++) pixel[k] = Math.round(layer.values[3 * i + k]);
@@ -55,12 +57,7 @@ function colorAt(layer, i, palette, table, threshold) {
   const value = layer.values[i];
   if (Number.isNaN(value)) return palette.unknown;
   if (layer.kind === "mask") return palette.mask[value ? 1 : 0];
-  if (layer.kind === "category") return value < 0 ? palette.unknown : palette.category[value % palette.category.length];
-  if (threshold !== null && value < threshold) return palette.neutral;
-  const [low, high] = layer.limits;
-  const row = 3 * Math.round(255 * Math.min(1, Math.max(0, (value - low) / (high - low))));
-  for (let k = 0; k < 3; k++) pixel[k] = table[row + k];
-  return pixel;
+  return value < 0 ? palette.unknown : palette.category[value % palette.category.length];
 }
 
 // How much of a shape lies at or above the threshold (scalars) or inside (masks).

@@ -1,6 +1,6 @@
 // The page: reads its data, shows it, and listens.
 import { readPayload } from "./decode.js";
-import { carriedLayer, coverage, paint, readLayer } from "./layers.js";
+import { carriedLayer, coverage, readLayer } from "./layers.js";
 import { listen, Orbit } from "./orbit.js";
 import { Overlay } from "./overlay.js";
 import { coordinates, coverageWords, integer, number, Panel } from "./panel.js";
@@ -41,7 +41,9 @@ class Page {
       layerNames: this.layerNames, placements: this.meta.placements, scoreName: this.meta.scoreName,
       hasPartner: this.meta.placements.some((place) => place.partner), anchorCount: this.meta.anchors.length,
     });
-    this.stage = new Stage(elements.canvas, this.shapes, elements, this.orbits, () => this.redrawOverlay());
+    this.stage = new Stage(elements.canvas, this.shapes, elements, {
+      orbits: this.orbits, palette: this.palette, drawn: () => this.redrawOverlay(),
+    });
     for (const side of SIDES) this.listen(side, elements[side]);
     this.refresh();
     this.stage.draw();
@@ -121,9 +123,8 @@ class Page {
   refresh() {
     for (const side of SIDES) {
       this.shown[side] = this.layerOn(side);
-      const view = this.stage.views[side];
-      paint(view.colors, this.shown[side], this.palette, this.threshold);
-      view.repaint();
+      this.stage.views[side].show(this.shown[side], this.palette);
+      this.stage.views[side].cut(this.shown[side], this.threshold);
     }
     this.panel.check("layer", this.layerNames.indexOf(this.state.layer));
     this.panel.check("placement", this.state.placement);
@@ -141,6 +142,7 @@ class Page {
       this.covered = coverage(layer, this.shapes[side], this.threshold);
       covered = (side === "full" ? "Full shape: " : "Part: ") + coverageWords(layer, this.covered, this.threshold);
     }
+    if (layer?.kind === "scalar" && !covered) covered = "Slide to turn values below a threshold gray.";
     this.panel.legend(layer, this.palette, { threshold: this.threshold, covered, marks: this.marks() });
   }
 
@@ -186,7 +188,8 @@ class Page {
         continue;
       }
       const shape = this.shapes[side];
-      rows.push([name, `vertex ${integer(numberOf(shape, end.vertex))}`, `point-${side}`]);
+      const vertex = `vertex ${integer(numberOf(shape, end.vertex))}`;
+      rows.push([name, end.face === undefined ? vertex : `near ${vertex}`, `point-${side}`]);
       rows.push(["at", coordinates(coordinatesOf(shape, end.point)), `point-${side}-at`]);
       const layer = this.shown[side];
       if (layer && layer.kind !== "color") rows.push([layer.name, valueWords(layer, end.vertex), `point-${side}-value`]);
@@ -279,7 +282,9 @@ class Page {
     const layer = this.shown.full ?? this.shown.part;
     if (layer?.kind !== "scalar") return;
     this.state.thresholds[this.state.layer] = value > layer.limits[0] ? value : null;
-    this.refresh();
+    for (const side of SIDES) this.stage.views[side].cut(this.shown[side], this.threshold);
+    this.refreshLegend();
+    this.stage.request();
   }
 
   setAnchors(shown) {

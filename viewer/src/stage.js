@@ -1,9 +1,10 @@
 // The two three-dimensional views: one canvas, two scenes, drawn only when something changed.
 import {
-  BufferAttribute, BufferGeometry, DoubleSide, Matrix4, Mesh, PerspectiveCamera, Raycaster, Scene,
-  ShaderMaterial, Vector2, Vector3, WebGLRenderer,
+  BufferAttribute, BufferGeometry, DataTexture, DoubleSide, LinearFilter, Matrix4, Mesh, PerspectiveCamera,
+  Raycaster, Scene, ShaderMaterial, Vector2, Vector3, WebGLRenderer,
 } from "three";
 import { acceleratedRaycast, CENTER, MeshBVH } from "three-mesh-bvh";
+import { paint } from "./layers.js";
 import { vertexPoint } from "./shape.js";
 
 const FIELD_OF_VIEW = 22;
@@ -13,17 +14,34 @@ const LEAST_EXTENT_SHARE = 0.55;
 // The same light as in raster.py, number for number.
 const vertexShader = `
   attribute vec4 color;
-  varying vec3 tint;
+  attribute float value;
+  varying vec4 tint;
+  varying float share;
   varying vec3 bend;
   void main() {
-    tint = color.rgb;
+    tint = color;
+    share = value;
     bend = normalMatrix * normal;
     gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
   }`;
 const fragmentShader = `
   uniform float orientation;
-  varying vec3 tint;
+  uniform bool scalar;
+  uniform float threshold;
+  uniform sampler2D table;
+  uniform vec3 neutral;
+  uniform vec3 unknown;
+  varying vec4 tint;
+  varying float share;
   varying vec3 bend;
+  // Scalars are looked up here and not at the vertices, so that a threshold cuts a clean line.
+  vec3 paint() {
+    if (!scalar) return tint.rgb;
+    float edge = max(fwidth(share), 1e-6);
+    float above = clamp((share - threshold) / edge + 0.5, 0.0, 1.0);
+    vec3 color = texture2D(table, vec2(share * 255.0 / 256.0 + 0.5 / 256.0, 0.5)).rgb;
+    return mix(unknown, mix(neutral, color, above), smoothstep(0.5, 1.0, tint.a));
+  }
   void main() {
     bool inside = gl_FrontFacing != (orientation > 0.0);
     vec3 n = normalize(bend) * orientation * (inside ? -1.0 : 1.0);
@@ -31,7 +49,7 @@ const fragmentShader = `
     float key = max(0.0, 0.5 + 0.5 * dot(vec3(-0.42, 0.62, 0.66), n));
     float shade = (0.48 + 0.60 * key * key) * (0.82 + 0.18 * n.z);
     float gloss = 0.063 * pow(max(0.0, dot(vec3(-0.23, 0.34, 0.91), n)), 24.0);
-    vec3 base = tint;
+    vec3 base = paint();
     if (inside) {
       base = 0.35 * base + 0.4 * dot(base, vec3(0.3, 0.6, 0.1));
       gloss = 0.0;
@@ -39,8 +57,17 @@ const fragmentShader = `
     gl_FragColor = vec4(base * shade + gloss, 1.0);
   }`;
 
+function texture(rgb) {
+  const bytes = new Uint8Array(1024);
+  for (let i = 0; i < 256; i++) bytes.set([rgb[3 * i], rgb[3 * i + 1], rgb[3 * i + 2], 255], 4 * i);
+  const made = new DataTexture(bytes, 256, 1);
+  made.magFilter = made.minFilter = LinearFilter;
+  made.needsUpdate = true;
+  return made;
+}
+
 class View {
-  constructor(shape, element, orbit) {
+  constructor(shape, element, orbit, palette) {
     this.shape = shape;
     this.element = element;
     this.orbit = orbit;
@@ -52,11 +79,16 @@ class View {
     this.geometry.setAttribute("normal", new BufferAttribute(shape.normals, 3));
     this.colors = new Uint8Array(4 * shape.count);
     this.geometry.setAttribute("color", new BufferAttribute(this.colors, 4, true));
+    this.values = new Float32Array(shape.count);
+    this.geometry.setAttribute("value", new BufferAttribute(this.values, 1));
     this.geometry.setIndex(new BufferAttribute(shape.faces.slice(), 1)); // the search tree reorders it
-    const material = new ShaderMaterial({
-      vertexShader, fragmentShader, side: DoubleSide,
-      uniforms: { orientation: { value: shape.insideOut ? -1 : 1 } },
-    });
+    const tone = (rgb) => new Vector3(...rgb).divideScalar(255);
+    this.uniforms = {
+      orientation: { value: shape.insideOut ? -1 : 1 }, scalar: { value: false }, threshold: { value: -1 },
+      table: { value: null }, neutral: { value: tone(palette.neutral) }, unknown: { value: tone(palette.unknown) },
+    };
+    this.tables = Object.fromEntries(Object.entries(palette.tables).map(([name, rgb]) => [name, texture(rgb)]));
+    const material = new ShaderMaterial({ vertexShader, fragmentShader, side: DoubleSide, uniforms: this.uniforms });
     this.mesh = new Mesh(this.geometry, material);
     this.mesh.raycast = acceleratedRaycast;
     const r = shape.rotation;
@@ -70,8 +102,19 @@ class View {
     this.raycaster.firstHitOnly = true;
   }
 
-  repaint() {
+  // Shows a layer, or neutral clay if there is none.
+  show(layer, palette) {
+    const scalar = layer?.kind === "scalar";
+    this.uniforms.scalar.value = scalar;
+    this.uniforms.table.value = scalar ? this.tables[layer.colorMap] : null;
+    paint(this.colors, this.values, layer, palette);
     this.geometry.attributes.color.needsUpdate = true;
+    this.geometry.attributes.value.needsUpdate = true;
+  }
+
+  cut(layer, threshold) {
+    const [low, high] = layer?.limits ?? [0, 1];
+    this.uniforms.threshold.value = threshold === null ? -1e9 : (threshold - low) / (high - low);
   }
 
   // Set up what makes clicks fast; until then nothing can be hit.
@@ -102,7 +145,7 @@ class View {
     const { width, height } = this.size();
     const slope = Math.tan((FIELD_OF_VIEW * Math.PI) / 360);
     // Room for the caption above and the axis of the eye below.
-    this.distance = half[2] + Math.max(half[1] / (slope * 0.80), (half[0] / (slope * 0.88)) * (height / width));
+    this.distance = half[2] + Math.max(half[1] / (slope * 0.88), (half[0] / (slope * 0.95)) * (height / width));
   }
 
   size() {
@@ -161,15 +204,15 @@ class View {
 }
 
 export class Stage {
-  constructor(canvas, shapes, elements, orbits, drawn) {
+  constructor(canvas, shapes, elements, { orbits, palette, drawn }) {
     this.canvas = canvas;
     this.drawn = drawn;
     this.renderer = new WebGLRenderer({ canvas, antialias: true, alpha: true, preserveDrawingBuffer: true });
     this.renderer.setClearColor(0x000000, 0);
     this.renderer.setScissorTest(true);
     this.views = {
-      full: new View(shapes.full, elements.full, orbits.full),
-      part: new View(shapes.part, elements.part, orbits.part),
+      full: new View(shapes.full, elements.full, orbits.full, palette),
+      part: new View(shapes.part, elements.part, orbits.part, palette),
     };
     this.waiting = false;
     new ResizeObserver(() => this.resize()).observe(canvas.parentElement);
@@ -185,7 +228,7 @@ export class Stage {
     part.fit();
     // one scale for both, unless the part would be tiny or would not fit
     const wanted = Math.max(1, (LEAST_EXTENT_SHARE * full.extent) / part.extent);
-    const common = (full.distance - 0) / wanted;
+    const common = full.distance / wanted;
     part.distance = Math.max(part.distance, common);
     this.magnification = full.distance / part.distance;
     this.draw();

@@ -112,9 +112,9 @@ def _card(title: str, text: str, *, kind: str) -> str:
 
 
 def _summary(sentences: tuple[str, ...]) -> str:
-    if not sentences:
+    if len(sentences) < 2:  # the first one is the headline
         return ""
-    items = "".join(f"<li>{html.escape(sentence)}</li>" for sentence in sentences)
+    items = "".join(f"<li>{html.escape(sentence)}</li>" for sentence in sentences[1:])
     return f'<div class="card wide" id="summary"><h2>In words</h2><ul>{items}</ul></div>'
 
 

@@ -138,7 +138,10 @@ def payload(thinned: Thinned, staging: Staging) -> tuple[dict[str, Any], str]:
 
 
 def _shape(
-    block: Block, mesh: TriangleMesh, numbers: NDArray[np.int64] | None, rotation: NDArray[np.float64]
+    block: Block,
+    mesh: TriangleMesh,
+    numbers: NDArray[np.int64] | None,
+    rotation: NDArray[np.float64],
 ) -> dict[str, Any]:
     low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
     extent = float((high - low).max()) or 1.0
@@ -175,7 +178,11 @@ def _layer(block: Block, layer: Layer) -> dict[str, Any]:
         finite = layer.values[np.isfinite(layer.values)]
         low, high = (float(finite.min()), float(finite.max())) if len(finite) else (0.0, 1.0)
         high = high if high > low else low + 1.0
-        entry |= {"low": low, "high": high, "values": block.add(quantized(layer.values, low, high), 2)}
+        entry |= {
+            "low": low,
+            "high": high,
+            "values": block.add(quantized(layer.values, low, high), 2),
+        }
     elif layer.kind == "category":
         entry["values"] = block.add(np.maximum(layer.values, -1) + 1, 4)
     else:
