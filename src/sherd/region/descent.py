@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["ColumnMinima", "minimize_columns"]
+__all__ = ["ColumnMinima", "Objective", "minimize_columns"]
 
 Floats = NDArray[np.float64]
 Objective = Callable[[Floats, NDArray[np.int64]], tuple[Floats, Floats]]

@@ -52,7 +52,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from sherd.errors import InputError, OptionError
 from sherd.region.batched_energy import BatchedEnergy
-from sherd.region.descent import ColumnMinima, minimize_columns
+from sherd.region.descent import ColumnMinima, Objective, minimize_columns
 from sherd.region.mumford_shah import EnergyTerms, energy
 from sherd.region.phase_field import subspace_phase_fields
 from sherd.region.problem import RegionProblem
@@ -280,14 +280,13 @@ class _SigmoidEnergy:
         self._shift[columns] = area_shift(scores, self._areas, self._problem.part_area, guess)
         return _sigmoid(scores + self._shift[columns])
 
-    def minimize(
-        self, points: Floats, fields: Floats, crispness: float, evaluations: int, tolerance: float
-    ) -> ColumnMinima:
+    def objective(self, fields: Floats, crispness: float) -> Objective:
+        """Values and gradients in the coefficients, for phase fields (n, c) held fixed."""
         edge_weights = self._energy.edge_weights(fields)
-        if len(self._shift) != points.shape[1]:
-            self._shift = np.zeros(points.shape[1], dtype=self._vectors.dtype)
+        if len(self._shift) != fields.shape[1]:
+            self._shift = np.zeros(fields.shape[1], dtype=self._vectors.dtype)
 
-        def objective(trial: Floats, columns: NDArray[np.int64]) -> tuple[Floats, Floats]:
+        def evaluate(trial: Floats, columns: NDArray[np.int64]) -> tuple[Floats, Floats]:
             u = self.memberships(trial, columns)
             values, g = self._energy(u, edge_weights[:, columns], crispness)
             w = u * (1 - u)
@@ -295,7 +294,14 @@ class _SigmoidEnergy:
             slopes = self._vectors.T @ (w * (g - self._areas[:, None] * level))
             return values, slopes.astype(np.float64)
 
-        return minimize_columns(objective, points, evaluations=evaluations, tolerance=tolerance)
+        return evaluate
+
+    def minimize(
+        self, points: Floats, fields: Floats, crispness: float, evaluations: int, tolerance: float
+    ) -> ColumnMinima:
+        return minimize_columns(
+            self.objective(fields, crispness), points, evaluations=evaluations, tolerance=tolerance
+        )
 
     def with_shift(self, points: Floats, column: int) -> Floats:
         """Coefficients (k,) with the shift moved onto the constant function's projection."""

@@ -131,6 +131,11 @@ class RegionProblem:
         """The same question under other weights; shares every array."""
         return replace(self, weights=weights)
 
+    def with_descriptors(self, descriptors: ArrayLike, part_integral: ArrayLike) -> RegionProblem:
+        """The same question by other descriptors (n, d) and their integral (d,)."""
+        values, integral = _checked_descriptors(descriptors, part_integral, self.vertex_count)
+        return replace(self, descriptors=values, part_integral=integral)
+
     def with_evidence(self, evidence: ArrayLike) -> RegionProblem:
         """The same question with another evidence (n,); shares every other array."""
         checked = _checked_evidence(evidence, self.vertex_count)
@@ -172,27 +177,15 @@ def region_problem(
         1 and 1.05 times it is lowered to the area of the full shape.
     """
     count = full.vertex_count
-    descriptors = np.asarray(full_descriptors, dtype=np.float64)
-    integral = np.asarray(part_integral, dtype=np.float64)
-    if descriptors.ndim != 2 or len(descriptors) != count:
-        raise InputError(f"full_descriptors has shape {descriptors.shape}, not ({count}, d)")
-    if integral.shape != descriptors.shape[1:]:
-        raise InputError(
-            f"part_integral has shape {integral.shape}, but {descriptors.shape[1:]} is needed"
-        )
-    if not (np.isfinite(descriptors).all() and np.isfinite(integral).all()):
-        raise InputError("descriptors hold NaN or infinite values; leave those vertices out")
-    norm = float(np.linalg.norm(integral))
-    if norm == 0:
-        raise InputError("part_integral is zero, so the part has no descriptor to be found by")
+    descriptors, integral = _checked_descriptors(full_descriptors, part_integral, count)
     return RegionProblem(
         faces=full.faces,
         face_areas=full.face_areas,
         vertex_areas=full.vertex_areas,
         gradient=gradient(full.vertices, full.faces),
         stiffness=stiffness(full.vertices, full.faces),
-        descriptors=_read_only(descriptors / norm),
-        part_integral=_read_only(integral / norm),
+        descriptors=descriptors,
+        part_integral=integral,
         part_area=_checked_area(part_area, full.area),
         weights=weights or EnergyWeights(),
         evidence=_checked_evidence(np.zeros(count) if evidence is None else evidence, count),
@@ -210,6 +203,26 @@ def _checked_area(part_area: float, full_area: float) -> float:
             f"most {LARGEST_AREA_RATIO} times as large. Are the two swapped, or in other units?"
         )
     return min(area, full_area)
+
+
+def _checked_descriptors(
+    full_descriptors: ArrayLike, part_integral: ArrayLike, count: int
+) -> tuple[Floats, Floats]:
+    """Both divided by the length of the integral."""
+    descriptors = np.asarray(full_descriptors, dtype=np.float64)
+    integral = np.asarray(part_integral, dtype=np.float64)
+    if descriptors.ndim != 2 or len(descriptors) != count:
+        raise InputError(f"full_descriptors has shape {descriptors.shape}, not ({count}, d)")
+    if integral.shape != descriptors.shape[1:]:
+        raise InputError(
+            f"part_integral has shape {integral.shape}, but {descriptors.shape[1:]} is needed"
+        )
+    if not (np.isfinite(descriptors).all() and np.isfinite(integral).all()):
+        raise InputError("descriptors hold NaN or infinite values; leave those vertices out")
+    norm = float(np.linalg.norm(integral))
+    if norm == 0:
+        raise InputError("part_integral is zero, so the part has no descriptor to be found by")
+    return _read_only(descriptors / norm), _read_only(integral / norm)
 
 
 def _checked_evidence(evidence: ArrayLike, count: int) -> Floats:

@@ -201,6 +201,8 @@ def _daqp(
         iter_limit=100_000,
         **warm,
     )
+    if flag != 1 and warm:  # a guess that misleads it
+        return _daqp(problem, chosen, None)
     multipliers = np.zeros(len(problem.rows))
     found = np.asarray(info["lam"], dtype=np.float64)
     multipliers[chosen] = found[len(found) - len(chosen) :]
