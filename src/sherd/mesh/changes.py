@@ -161,8 +161,10 @@ def _joined_once(vertices: Floats, faces: Ints) -> tuple[Ints, Bools]:
 
 def _seam_pairs(vertices: Floats, faces: Ints, places: Ints, free: Bools) -> Ints:
     """Pairs of `free` half-edges (3m,) that coincide and can be joined without crowding an edge."""
-    joined = gluing.face_pairs(vertices, faces)
     seams = gluing.face_pairs(vertices, faces, places=places, among=free)
+    if not len(seams):
+        return seams
+    joined = gluing.face_pairs(vertices, faces)
     both = np.vstack([joined, seams])
     removable = np.arange(len(both)) >= len(joined)
     # corners of joined faces may have the class -1, so places are told apart below zero, too
@@ -174,11 +176,13 @@ def _seam_pairs(vertices: Floats, faces: Ints, places: Ints, free: Bools) -> Int
 def split_nonmanifold_edges(vertices: Floats, faces: Ints) -> Change:
     """Separate sheets at edges with more than two faces; the smoothest continuations stay."""
     group, uses = gluing.edge_groups(faces)
-    crowded = np.zeros(len(vertices), dtype=bool)
+    sentence = "edges with more than two faces were separated into sheets"
     bad = uses[group] > 2
+    if not bad.any():
+        return _without(vertices, faces, np.zeros(len(faces), dtype=bool), sentence)
+    crowded = np.zeros(len(vertices), dtype=bool)
     crowded[_starts(faces)[bad]] = True
     crowded[_ends(faces)[bad]] = True
-    sentence = "edges with more than two faces were separated into sheets"
     pairs = gluing.face_pairs(vertices, faces)
     pairs = gluing.settled(faces, pairs, np.ones(len(pairs), dtype=bool))
     change = _split(vertices, faces, pairs, crowded, sentence)

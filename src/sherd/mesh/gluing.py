@@ -85,11 +85,10 @@ def face_pairs(
     half = half[np.argsort(group[half], kind="stable")]
     simple = half[uses[group[half]] == 2].reshape(-1, 2)
     crowded = half[uses[group[half]] > 2]
-    if not len(crowded):
-        return simple
-    pairs: Ints = np.vstack(
-        [simple, _smoothest(geometry.face_normals(vertices, faces), places, crowded, group)]
-    )
+    if len(crowded):
+        normals = geometry.face_normals(vertices, faces)
+        simple = np.vstack([simple, _smoothest(normals, places, crowded, group)])
+    pairs: Ints = simple
     return pairs
 
 

@@ -137,8 +137,9 @@ def repair(
     -------
     repaired : TriangleMesh
         With all default steps, a mesh whose edges have one or two faces, whose vertices have one
-        fan of faces, and whose faces agree with their neighbors; repairing it again changes
-        nothing. The same object if there was nothing to do.
+        fan of faces, and whose faces agree with their neighbors. Repairing it again changes
+        nothing, save that sheets tangled at an edge may be joined in one more place. The same
+        object if there was nothing to do.
     report : RepairReport
         What was done, and the old numbering.
 
