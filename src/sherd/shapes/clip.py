@@ -39,14 +39,22 @@ def clip(mesh: TriangleMesh, values: Floats) -> tuple[TriangleMesh, SurfacePoint
     cutter = _Cutter(mesh.faces, mesh.vertex_count)
     pieces = [mesh.faces[whole]]
     # one corner stays: it leads
-    face, (lead, after, before) = _led(mesh.faces, (positive == 1) & (negative == 2), corner_signs > 0)
-    pieces.append(np.stack([lead, cutter.cut(face, lead, after), cutter.cut(face, lead, before)], 1))
+    face, (lead, after, before) = _led(
+        mesh.faces, (positive == 1) & (negative == 2), corner_signs > 0
+    )
+    pieces.append(
+        np.stack([lead, cutter.cut(face, lead, after), cutter.cut(face, lead, before)], 1)
+    )
     # one corner goes: it leads
-    face, (lead, after, before) = _led(mesh.faces, (positive == 2) & (negative == 1), corner_signs < 0)
+    face, (lead, after, before) = _led(
+        mesh.faces, (positive == 2) & (negative == 1), corner_signs < 0
+    )
     first, second = cutter.cut(face, after, lead), cutter.cut(face, before, lead)
     pieces += [np.stack([after, before, second], 1), np.stack([after, second, first], 1)]
     # the cut goes through a corner: it leads
-    face, (lead, after, before) = _led(mesh.faces, (positive == 1) & (negative == 1), corner_signs == 0)
+    face, (lead, after, before) = _led(
+        mesh.faces, (positive == 1) & (negative == 1), corner_signs == 0
+    )
     stays = sign[after] > 0
     middle = cutter.cut(face, np.where(stays, after, before), np.where(stays, before, after))
     pieces.append(
@@ -118,7 +126,7 @@ def _snapped(mesh: TriangleMesh, values: Floats) -> Floats:
 
 
 def _led(faces: Ints, rows: NDArray[np.bool_], lead: NDArray[np.bool_]) -> tuple[Ints, Ints]:
-    """Numbers of the faces in `rows`, and their corners (3, r) turned so that `lead` comes first."""
+    """Numbers of the faces in `rows`, and their corners (3, r) turned to have `lead` first."""
     number = np.flatnonzero(rows)
     turn = (lead[number].argmax(axis=1)[:, None] + np.arange(3)) % 3
     return number, np.take_along_axis(faces[number], turn, axis=1).T

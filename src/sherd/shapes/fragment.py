@@ -87,7 +87,7 @@ class Fragment:
 
     @property
     def region(self) -> NDArray[np.bool_]:
-        """The vertices of the full shape that the part covers, (n_full,); see :func:`true_region`."""
+        """The vertices of the full shape that the part covers, (n_full,): `true_region`."""
         return true_region(self.full, self.mesh, self.truth, present=self.present)
 
 
@@ -122,8 +122,10 @@ def cut_by_plane(fragment: Fragment, point: ArrayLike, normal: ArrayLike) -> Fra
     """
     direction = np.asarray(normal, dtype=np.float64)
     if not np.linalg.norm(direction) > 0:
-        raise OptionError(f"normal is {normal}, but a direction is needed")
-    height = ((fragment.mesh.vertices - np.asarray(point, dtype=np.float64)) * direction).sum(axis=1)
+        raise OptionError(f"normal is {direction}, but a direction is needed")
+    height = ((fragment.mesh.vertices - np.asarray(point, dtype=np.float64)) * direction).sum(
+        axis=1
+    )
     return _taken(fragment, *clip(fragment.mesh, height))
 
 
@@ -224,9 +226,7 @@ def reordered(fragment: Fragment, rng: np.random.Generator) -> Fragment:
     return Fragment(shuffled, fragment.truth[order], fragment.full, fragment.present[order])
 
 
-def with_flipped_faces(
-    fragment: Fragment, share: float, *, rng: np.random.Generator
-) -> Fragment:
+def with_flipped_faces(fragment: Fragment, share: float, *, rng: np.random.Generator) -> Fragment:
     """A random share (0 to 1) of the faces turned inside out."""
     mesh = fragment.mesh
     turned = rng.random(mesh.face_count) < share
@@ -277,7 +277,7 @@ def _taken(fragment: Fragment, mesh: TriangleMesh, points: SurfacePoints) -> Fra
     """The fragment on a new mesh whose vertices are `points` of the old one."""
     corners = fragment.mesh.faces[points.faces]
     used = points.barycentric > 0
-    present = (fragment.present[corners] | ~used).all(axis=1)
+    present: NDArray[np.bool_] = np.all(fragment.present[corners] | ~used, axis=1)
     truth = carried(fragment.full, fragment.truth, corners, points.barycentric)
     return Fragment(mesh, truth, fragment.full, present)
 
@@ -308,7 +308,9 @@ def _bumpy_ball(area: float, vertex_area: float, rng: np.random.Generator) -> tu
     while len(vertices) * vertex_area < 0.5 * area:
         faces, parents = split_edges(faces, len(vertices))
         middle = vertices[parents].sum(axis=1)
-        vertices = np.concatenate([vertices, middle / np.linalg.norm(middle, axis=1, keepdims=True)])
+        vertices = np.concatenate(
+            [vertices, middle / np.linalg.norm(middle, axis=1, keepdims=True)]
+        )
     waves, phases = rng.normal(size=(3, 3)) * 2.0, rng.uniform(0, 2 * np.pi, size=3)
     bumps = 1 + BUMPS * np.cos(vertices @ waves.T + phases).mean(axis=1)
     return np.sqrt(area / (4 * np.pi)) * bumps[:, None] * vertices, faces

@@ -70,7 +70,7 @@ class RoundCones:
         return norm - radius, gap / np.maximum(norm, 1e-12)[:, :, None]
 
     def value_and_gradient(self, points: Floats) -> tuple[Floats, Floats]:
-        """f (p,) l, negative inside, and its gradient (p, 3)."""
+        """Value of the union (p,) l, negative inside, and its gradient (p, 3)."""
         values, gradients = np.empty(len(points)), np.empty((len(points), 3))
         for begin in range(0, len(points), BLOCK):
             block = slice(begin, begin + BLOCK)

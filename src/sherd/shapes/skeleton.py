@@ -1,3 +1,4 @@
+# ruff: noqa: E501 (a table is easier to read in long lines)
 """The animal's skeleton: bones, their flesh, and the poses as joint angles.
 
 The animal stands along +x (nose forward), +y is its left, +z is up; it is about 1.5 long.

@@ -12,7 +12,7 @@ __all__ = ["surface_nets"]
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-# Side of the blocks that are skipped when their center is farther from the surface than they are wide.
+# Side of the blocks that are skipped when the surface cannot reach them.
 BLOCK = 4
 _CORNERS = np.stack(np.meshgrid([0, 1], [0, 1], [0, 1], indexing="ij"), axis=-1).reshape(-1, 3)
 
@@ -49,7 +49,7 @@ def surface_nets(
 def _sampled(
     function: Callable[[Floats], Floats], lower: Floats, shape: Ints, spacing: float
 ) -> Floats:
-    """Values on the grid; far from the surface the value at the center of a block stands for all."""
+    """Values on the grid; far from the surface one value stands for its whole block."""
     blocks = shape // BLOCK
     corner = np.stack(np.meshgrid(*map(np.arange, blocks), indexing="ij"), axis=-1).reshape(-1, 3)
     middle = lower + spacing * (BLOCK * corner + 0.5 * (BLOCK - 1))
@@ -80,12 +80,12 @@ def _cell_vertices(values: Floats, cells: Ints) -> Floats:
     """Mean of the points where the edges of each cell cross the level, (v, 3) in grid units."""
     corner = {tuple(c): values[tuple((cells + c).T)] for c in _CORNERS}
     total, crossings = np.zeros((len(cells), 3)), np.zeros((len(cells), 1))
-    for start in corner:
+    for start, low in corner.items():
         for axis in range(3):
             if start[axis] == 1:
                 continue
             end = tuple(1 if a == axis else c for a, c in enumerate(start))
-            low, high = corner[start], corner[end]
+            high = corner[end]
             crossed = (low < 0) != (high < 0)
             t = np.divide(low, low - high, out=np.zeros_like(low), where=crossed)
             point = np.tile(np.array(start, dtype=float), (len(cells), 1))

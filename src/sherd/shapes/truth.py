@@ -1,4 +1,4 @@
-"""Ground truth that follows a fragment: where its points lie on the full shape, and what it covers."""
+"""Ground truth of a fragment: where its points lie on the full shape, and what it covers."""
 
 from __future__ import annotations
 
@@ -20,7 +20,9 @@ SAMPLES_PER_VERTEX = 16
 MOST_DIVISIONS = 64
 
 
-def carried(full: TriangleMesh, truth: SurfacePoints, corners: Ints, weights: Floats) -> SurfacePoints:
+def carried(
+    full: TriangleMesh, truth: SurfacePoints, corners: Ints, weights: Floats
+) -> SurfacePoints:
     """Where points of the part lie on the full shape, from where the part's vertices lie.
 
     A point is given by three vertices of the part (p, 3) and weights (p, 3). Where these
@@ -103,7 +105,7 @@ def true_region(
 
 
 def _merged(vertices: Ints, shares: Floats) -> tuple[Ints, Floats]:
-    """Per row the distinct vertices, descending, -1 where none, and the sum of their shares (p, 9)."""
+    """Per row the distinct vertices, descending, then -1, and the sums of their shares, (p, 9)."""
     order = np.argsort(-vertices, axis=1, kind="stable")
     ranked = np.take_along_axis(vertices, order, axis=1)
     values = np.take_along_axis(shares, order, axis=1)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 from dataclasses import dataclass
+from typing import cast
 
 import numpy as np
 import robust_laplacian
@@ -57,7 +58,7 @@ class EigenBasis:
 
     @property
     def size(self) -> int:
-        """k."""
+        """Number of eigenpairs k."""
         return len(self.eigenvalues)
 
     def truncated(self, size: int) -> EigenBasis:
@@ -117,9 +118,7 @@ def eigenbasis(mesh: TriangleMesh, size: int) -> EigenBasis:
     full[live] = vectors
     peak = full[np.abs(full).argmax(axis=0), np.arange(count)]
     full *= np.where(peak < 0, -1.0, 1.0)
-    return EigenBasis(
-        _read_only(values), _read_only(full), _read_only(areas), residual, laplacian
-    )
+    return EigenBasis(_read_only(values), _read_only(full), _read_only(areas), residual, laplacian)
 
 
 def robust_operators(mesh: TriangleMesh) -> tuple[sparse.csr_array, NDArray[np.float64]]:
@@ -181,5 +180,4 @@ def _smallest_pairs(
 
 
 def _read_only(array: NDArray[np.float64]) -> NDArray[np.float64]:
-    result: NDArray[np.float64] = frozen(array)
-    return result
+    return cast("NDArray[np.float64]", frozen(array))

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 __all__ = ["farthest_points"]
 
 
-@njit(cache=True)  # type: ignore[untyped-decorator]
+@njit(cache=True)
 def farthest_points(points: NDArray[np.float64], count: int, start: int) -> NDArray[np.int64]:
     """Indices (count,) of a greedy farthest-point sample of points (n, 3); first index on ties."""
     size = len(points)
@@ -23,8 +23,7 @@ def farthest_points(points: NDArray[np.float64], count: int, start: int) -> NDAr
         for row in range(size):
             a, b, c = points[row, 0] - x, points[row, 1] - y, points[row, 2] - z
             squared = a * a + b * b + c * c
-            if squared < nearest[row]:
-                nearest[row] = squared
+            nearest[row] = min(nearest[row], squared)
             if nearest[row] > largest:
                 farthest, largest = row, nearest[row]
         current = farthest

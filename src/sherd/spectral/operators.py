@@ -26,7 +26,10 @@ def corner_cotangents(vertices: Floats, faces: Ints) -> Floats:
     squared = edge_lengths(vertices, faces) ** 2
     total = squared.sum(axis=1, keepdims=True)
     quadruple = 4.0 * face_areas(vertices, faces)[:, None]
-    return np.divide(total - 2.0 * squared, quadruple, out=np.zeros_like(squared), where=quadruple > 0)
+    cotangents: Floats = np.divide(
+        total - 2.0 * squared, quadruple, out=np.zeros_like(squared), where=quadruple > 0
+    )
+    return cotangents
 
 
 def stiffness(vertices: Floats, faces: Ints) -> sparse.csr_array:
@@ -44,7 +47,7 @@ def stiffness(vertices: Floats, faces: Ints) -> sparse.csr_array:
     rows, columns = faces[:, [1, 2, 0]].ravel(), faces[:, [2, 0, 1]].ravel()
     half = sparse.coo_array((weights.ravel(), (rows, columns)), shape=(count, count)).tocsr()
     off_diagonal = half + half.T
-    degree = sparse.diags_array(np.asarray(off_diagonal.sum(axis=1)).ravel())
+    degree: sparse.dia_array = sparse.diags_array(np.asarray(off_diagonal.sum(axis=1)).ravel())
     return sparse.csr_array(degree - off_diagonal)
 
 
@@ -64,7 +67,7 @@ def voronoi_vertex_areas(vertices: Floats, faces: Ints) -> Floats:
     voronoi = (np.roll(squared * cotangents, 1, 1) + np.roll(squared * cotangents, -1, 1)) / 8.0
     obtuse = cotangents < 0
     split = np.where(obtuse, areas / 2.0, areas / 4.0)
-    share = np.where(obtuse.any(axis=1, keepdims=True), split, voronoi)
+    share: Floats = np.where(obtuse.any(axis=1, keepdims=True), split, voronoi)
     return np.bincount(faces.ravel(), share.ravel(), minlength=len(vertices))
 
 

@@ -147,8 +147,8 @@ def remesh(mesh: TriangleMesh, edge_length: float) -> tuple[TriangleMesh, Surfac
 
     Edges are split, the mesh is decimated, and inner vertices move to the middle of their
     neighbors along the surface. The vertices of the result are exactly
-    `points.positions(mesh)`, and its fields are interpolated there. Border vertices of `mesh` stay where
-    they are; border edges longer than the wanted length are split.
+    `points.positions(mesh)`, and its fields are interpolated there. Border vertices of `mesh`
+    stay where they are; border edges longer than the wanted length are split.
 
     Parameters
     ----------
@@ -216,7 +216,9 @@ def _compact(vertices: Floats, faces: Ints) -> tuple[Floats, Ints]:
     return vertices[used], renumbered.reshape(-1, 3).astype(np.int64)
 
 
-def _on_surface(mesh: TriangleMesh, vertices: Floats, faces: Ints) -> tuple[TriangleMesh, SurfacePoints]:
+def _on_surface(
+    mesh: TriangleMesh, vertices: Floats, faces: Ints
+) -> tuple[TriangleMesh, SurfacePoints]:
     points = closest_points(mesh, vertices)
     fields = {key: points.interpolate(mesh, values) for key, values in mesh.fields.items()}
     return TriangleMesh(points.positions(mesh), faces, fields=fields, name=mesh.name), points

@@ -22,7 +22,9 @@ _CHILDREN = {
 MAX_PASSES = 40
 
 
-def split_edges(faces: Ints, count: int, chosen: NDArray[np.bool_] | None = None) -> tuple[Ints, Ints]:
+def split_edges(
+    faces: Ints, count: int, chosen: NDArray[np.bool_] | None = None
+) -> tuple[Ints, Ints]:
     """Put a vertex on edges and split the faces at them in two, three or four.
 
     Parameters
@@ -43,9 +45,9 @@ def split_edges(faces: Ints, count: int, chosen: NDArray[np.bool_] | None = None
     sides = np.sort(faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
     cut = np.ones(len(sides), dtype=bool) if chosen is None else chosen
     keys, place = np.unique(sides[cut, 0] * count + sides[cut, 1], return_inverse=True)
-    middle = np.full(len(sides), -1, dtype=np.int64)
-    middle[cut] = count + place
-    middle = middle.reshape(-1, 3)
+    flat = np.full(len(sides), -1, dtype=np.int64)
+    flat[cut] = count + place
+    middle = flat.reshape(-1, 3)
     parents = np.stack([keys // count, keys % count], axis=1)
     number = (middle >= 0).sum(axis=1)
     # turn each face so that its cut edges come first
