@@ -80,7 +80,8 @@ def unpacked(packed: str, entry: dict[str, Any]) -> NDArray[np.int64]:
     if not entry["delta"]:
         return codes
     steps = (codes >> 1) ^ -(codes & 1)
-    return np.cumsum(steps) % (1 << (8 * width))
+    values: NDArray[np.int64] = np.cumsum(steps) % (1 << (8 * width))
+    return values
 
 
 def quantized(values: NDArray[np.float64], low: float, high: float) -> NDArray[np.int64]:
@@ -97,7 +98,7 @@ def payload(thinned: Thinned, staging: Staging) -> tuple[dict[str, Any], str]:
     exhibit, block = thinned.exhibit, Block()
     full = _shape(block, exhibit.full, thinned.full_numbers, np.eye(3))
     part = _shape(block, exhibit.part, thinned.part_numbers, staging.part_rotation)
-    best = {
+    best: dict[str, Any] = {
         "name": "Best placement",
         "description": "",
         "score": _finite(exhibit.score),

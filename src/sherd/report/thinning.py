@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from sherd.errors import OptionError
 from sherd.mesh.surface_points import closest_points
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.report.exhibit import Exhibit, Layer, Partner
@@ -42,7 +43,10 @@ class Thinned:
 
 
 def thinned(exhibit: Exhibit, *, largest: int = LARGEST_SHOWN) -> Thinned:
-    """Decimate shapes above `largest` vertices, with values of the nearest original vertices."""
+    """Decimate shapes above `largest` vertices, with values of the nearest original vertices.
+
+    A shape that cannot be decimated because nearly all of it is border is left as it is.
+    """
     full, full_numbers = _light(exhibit.full, largest)
     part, part_numbers = _light(exhibit.part, largest)
     if full_numbers is None and part_numbers is None:
@@ -74,7 +78,9 @@ def thinned(exhibit: Exhibit, *, largest: int = LARGEST_SHOWN) -> Thinned:
             )
             for place in exhibit.alternatives
         ),
-        region=np.asarray(exhibit.region) if full_numbers is None else exhibit.region[full_numbers],
+        region=np.asarray(exhibit.region)
+        if full_numbers is None
+        else np.asarray(exhibit.region)[full_numbers],
     )
     counts = [
         f"{mesh.vertex_count:,} of the {before.vertex_count:,} vertices of {before.name}"
@@ -92,9 +98,11 @@ def thinned(exhibit: Exhibit, *, largest: int = LARGEST_SHOWN) -> Thinned:
 def _light(mesh: TriangleMesh, largest: int) -> tuple[TriangleMesh, Ints | None]:
     if mesh.vertex_count <= largest:
         return mesh, None
-    light = decimate(mesh, largest)
-    _, nearest = cKDTree(mesh.vertices).query(light.vertices)
-    return light, nearest.astype(np.int64)
+    try:
+        light, points = decimate(mesh, largest)
+    except OptionError:  # nearly all border: nothing can be left out, so it turns slowly but whole
+        return mesh, None
+    return light, points.nearest_vertices(mesh)
 
 
 def _picked(layers: tuple[Layer, ...], numbers: Ints | None) -> tuple[Layer, ...]:
@@ -119,7 +127,7 @@ def _moved(
     full_numbers: Ints | None,
     part_numbers: Ints | None,
 ) -> Partner | None:
-    """The map between the shown shapes: their original vertices' partners, put onto the new faces."""
+    """Map between the shown shapes: partners of the original vertices, put onto the new faces."""
     if partner is None:
         return None
     points, matched, confidence = partner.points, partner.known, np.asarray(partner.confidence)
