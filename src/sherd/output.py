@@ -7,6 +7,8 @@ a reader sees the old file or the new one and never half of either.
 from __future__ import annotations
 
 import contextlib
+import hashlib
+import json
 import logging
 import os
 import secrets
@@ -14,12 +16,14 @@ import sys
 import time
 from collections.abc import Iterator
 from pathlib import Path
+from types import TracebackType
+from typing import Any, Self
 
 from tqdm import tqdm
 
 from sherd.errors import OutputError
 
-__all__ = ["Stages", "replacing", "write_bytes", "write_text"]
+__all__ = ["ResultFolder", "Stages", "replacing", "write_bytes", "write_text"]
 
 logger = logging.getLogger(__name__)
 
@@ -39,18 +43,12 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
     target = Path(path)
     temporary = target.with_name(f".{target.stem}-{secrets.token_hex(4)}.partial{target.suffix}")
     try:
-        target.parent.mkdir(parents=True, exist_ok=True)
-        yield temporary
-        with temporary.open("rb") as stream:  # the bytes reach the disk before the name does
-            os.fsync(stream.fileno())
-        temporary.replace(target)
-    except OSError as error:
-        if isinstance(error, OutputError):
-            raise
-        reason = error.strerror or str(error)
-        raise OutputError(
-            f"{target}: cannot be written ({reason}); choose another folder or free some space"
-        ) from error
+        with _reported(target):
+            target.parent.mkdir(parents=True, exist_ok=True)
+            yield temporary
+            with temporary.open("rb") as stream:
+                os.fsync(stream.fileno())  # the bytes reach the disk before the name does
+            temporary.replace(target)
     finally:
         with contextlib.suppress(OSError):
             temporary.unlink()
@@ -65,6 +63,89 @@ def write_bytes(path: str | os.PathLike[str], data: bytes) -> None:
 def write_text(path: str | os.PathLike[str], text: str) -> None:
     """Write `text` as UTF-8 with Unix line ends to `path` atomically."""
     write_bytes(path, text.encode("utf-8"))
+
+
+class ResultFolder:
+    """Files that belong together: all are staged first, then renamed, ``result.json`` last.
+
+    ``result.json`` names every other file with its SHA-256, so a folder that holds files of two runs
+    is recognized. Use as a context manager; leaving the block without :meth:`finish` removes what
+    was staged, and the folder too if it was made here and is empty.
+
+    Parameters
+    ----------
+    path
+        The folder; made when missing.
+
+    Raises
+    ------
+    OutputError
+        From any method, if the disk refuses; what stood there before is untouched unless the
+        disk fails between two renames, which the hashes reveal.
+    """
+
+    def __init__(self, path: str | os.PathLike[str]) -> None:
+        self.path = Path(path)
+        self._made: list[Path] = []
+        self._staged: dict[str, Path] = {}
+        self._hashes: dict[str, str] = {}
+
+    def __enter__(self) -> Self:
+        with _reported(self.path):
+            missing = [p for p in (self.path, *self.path.parents) if not p.exists()]
+            self.path.mkdir(parents=True, exist_ok=True)
+            self._made = missing
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        for temporary in self._staged.values():
+            with contextlib.suppress(OSError):
+                temporary.unlink()
+        for folder in self._made:
+            with contextlib.suppress(OSError):
+                folder.rmdir()  # fails, as it should, unless empty
+
+    def add(self, name: str, content: bytes | str) -> None:
+        """Stage one file; text is written as UTF-8."""
+        data = content.encode("utf-8") if isinstance(content, str) else content
+        temporary = self.path / f".{name}-{secrets.token_hex(4)}.partial"
+        self._staged[name] = temporary
+        self._hashes[name] = hashlib.sha256(data).hexdigest()
+        with _reported(self.path / name):
+            _write_through(temporary, data)
+
+    def finish(self, result: dict[str, Any]) -> dict[str, Any]:
+        """Rename all staged files and write ``result.json``: `result` plus ``files``."""
+        document = {**result, "files": dict(sorted(self._hashes.items()))}
+        self.add("result.json", json.dumps(document, indent=2, allow_nan=False) + "\n")
+        for name, temporary in list(self._staged.items()):
+            with _reported(self.path / name):
+                temporary.replace(self.path / name)
+            del self._staged[name]
+        return document
+
+
+@contextlib.contextmanager
+def _reported(path: Path) -> Iterator[None]:
+    try:
+        yield
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise OutputError(
+            f"{path}: cannot be written ({reason}); choose another folder or free some space"
+        ) from error
+
+
+def _write_through(path: Path, data: bytes) -> None:
+    with path.open("wb") as stream:
+        stream.write(data)
+        stream.flush()
+        os.fsync(stream.fileno())  # the bytes reach the disk before the name does
 
 
 class Stages:

@@ -1,0 +1,34 @@
+# `make demo` and `make test` set up all they need in .venv (Python 3.11 or later, a package index).
+PYTHON ?= python3
+BIN := .venv/bin
+
+.PHONY: demo test check bench-region viewer clean
+
+demo: .venv/library  ## match a generated animal's fragment with the whole; needs no files
+	$(BIN)/sherd demo -o out/demo
+
+test: check  ## format, lint, types, then all tests on all cores
+	$(BIN)/python -m pytest -n auto
+
+check: .venv/development
+	$(BIN)/ruff format --check .
+	$(BIN)/ruff check .
+	$(BIN)/mypy
+
+viewer:  ## rebuild the page's script from viewer/ (needs Node.js)
+	cd viewer && npm ci && npm run build
+
+clean:
+	rm -rf .venv out build dist
+
+.venv/bin/python:
+	$(PYTHON) -c 'import sys; sys.exit("sherd needs Python 3.11 or later; set PYTHON=") if sys.version_info < (3, 11) else None'
+	$(PYTHON) -m venv .venv
+
+.venv/library: pyproject.toml constraints.txt | .venv/bin/python
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e .
+	touch $@
+
+.venv/development: .venv/library
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e ".[plots,witness,development]"
+	touch $@

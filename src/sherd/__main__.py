@@ -1,0 +1,5 @@
+"""`python -m sherd` is the command line."""
+
+from sherd.cli.main import main
+
+main()

@@ -1,0 +1,123 @@
+"""Readers of the data sets: pairs of a full shape and a part, with their ground truth."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sherd.errors import MeshFileError
+from sherd.mesh.files import read_mesh
+from sherd.mesh.surface_points import SurfacePoints
+from sherd.mesh.triangle_mesh import TriangleMesh
+
+__all__ = ["Pair", "PairFiles", "rotated", "shrec16_pairs"]
+
+
+@dataclass(frozen=True, eq=False)
+class Pair:
+    """A full shape, a part of it, and where each vertex of the part lies on the full shape.
+
+    Attributes
+    ----------
+    truth, mirrored_truth
+        (n_part,) surface points on `full`: the true ones, and those of the left/right mirror map
+        where the data set has one, otherwise None.
+    """
+
+    name: str
+    full: TriangleMesh
+    part: TriangleMesh
+    truth: SurfacePoints
+    mirrored_truth: SurfacePoints | None
+
+
+@dataclass(frozen=True)
+class PairFiles:
+    """The files of one pair of SHREC'16, stored or meshed anew."""
+
+    name: str
+    full: Path
+    part: Path
+
+    def load(self) -> Pair:
+        """Read meshes and ground truth.
+
+        Raises
+        ------
+        MeshFileError
+            If a file is missing or the ground truth does not fit the part.
+        """
+        full, part = read_mesh(self.full), read_mesh(self.part)
+        mirrored = self.part.with_suffix(".baryc_gt_sym")
+        return Pair(
+            self.name,
+            full,
+            part,
+            _truth(self.part.with_suffix(".baryc_gt"), full, part),
+            _truth(mirrored, full, part) if mirrored.exists() else None,
+        )
+
+
+def shrec16_pairs(
+    directory: Path, *, kind: str, remeshed: Path | None = None
+) -> tuple[PairFiles, ...]:
+    """All pairs of one kind, in order of shape number, then class.
+
+    Parameters
+    ----------
+    directory
+        Folder with ``null/<class>.off`` and ``<kind>/<kind>_<class>_shape_<number>.off``.
+    kind
+        ``"cuts"`` or ``"holes"``.
+    remeshed
+        Folder with the same parts meshed anew; the stored ones if None.
+
+    Raises
+    ------
+    MeshFileError
+        If the folders hold no such pair.
+    """
+    folder = (remeshed or directory) / kind
+    pattern = re.compile(rf"{kind}_(\w+)_shape_(\d+)\.off")
+    found = []
+    for part in folder.glob("*.off"):
+        match = pattern.fullmatch(part.name)
+        if match:
+            name, number = match.group(1), int(match.group(2))
+            full = directory / "null" / f"{name}.off"
+            found.append((number, name, PairFiles(part.stem, full, part)))
+    if not found:
+        raise MeshFileError(
+            f"{folder}: holds no files named {kind}_<class>_shape_<number>.off; give the folder "
+            "of SHREC'16 that has null/, cuts/ and holes/ in it"
+        )
+    return tuple(pair for _, _, pair in sorted(found, key=lambda entry: entry[:2]))
+
+
+def rotated(mesh: TriangleMesh, seed: int) -> TriangleMesh:
+    """The mesh turned at random, uniformly over all rotations."""
+    frame, triangular = np.linalg.qr(np.random.default_rng(seed).normal(size=(3, 3)))
+    frame = frame * np.sign(np.diag(triangular))
+    frame[:, 0] *= np.sign(np.linalg.det(frame))
+    return mesh.with_vertices(mesh.vertices @ frame.T)
+
+
+def _truth(path: Path, full: TriangleMesh, part: TriangleMesh) -> SurfacePoints:
+    try:
+        table: NDArray[np.float64] = np.loadtxt(path, ndmin=2)
+    except (OSError, ValueError) as error:
+        raise MeshFileError(f"{path}: cannot be read as ground truth ({error})") from error
+    if table.shape != (part.vertex_count, 4):
+        raise MeshFileError(
+            f"{path}: has shape {table.shape}, but a face and three weights are needed for each of "
+            f"the {part.vertex_count} vertices"
+        )
+    faces = table[:, 0].astype(np.int64) - 1  # counted from 1 in the files
+    if len(faces) and not 0 <= faces.min() <= faces.max() < full.face_count:
+        raise MeshFileError(f"{path}: names a face outside 1..{full.face_count}")
+    weights = np.clip(table[:, 1:], 0.0, 1.0)
+    return SurfacePoints(faces, weights / weights.sum(axis=1, keepdims=True))

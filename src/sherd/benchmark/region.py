@@ -1,0 +1,146 @@
+"""The region benchmark: overlap of the located with the true region, over many pairs."""
+
+from __future__ import annotations
+
+import json
+import math
+import time
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sherd._version import __version__
+from sherd.benchmark.datasets import Pair, rotated, shrec16_pairs
+from sherd.mesh.surface_points import SurfacePoints
+from sherd.mesh.triangle_mesh import TriangleMesh
+from sherd.output import Stages, write_text
+from sherd.region.locate import locate
+from sherd.region.options import LocateOptions
+from sherd.shapes.truth import true_region
+
+__all__ = ["RegionRow", "overlap", "region_benchmark", "region_table"]
+
+Bools = NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class RegionRow:
+    """One pair: IoU with the true region, with it or its mirror image, and with the best
+    of the reported placements; seconds of `locate` and of its stages after the eigenbasis.
+    """  # noqa: D205
+
+    pair: str
+    area_fraction: float
+    iou: float
+    iou_mirror_forgiven: float
+    iou_with_alternatives: float
+    score: float
+    status: str
+    seconds: float
+    seconds_after_eigenbasis: float
+
+
+def overlap(full: TriangleMesh, first: Bools, second: Bools) -> float:
+    """Area-weighted intersection over union of two vertex masks; NaN if both are empty."""
+    areas = full.vertex_areas
+    union = float(areas[first | second].sum())
+    return float(areas[first & second].sum()) / union if union > 0 else math.nan
+
+
+def region_benchmark(
+    directory: Path,
+    *,
+    remeshed: Path | None = None,
+    kind: str = "cuts",
+    options: LocateOptions | None = None,
+    limit: int | None = None,
+    output: Path | None = None,
+) -> list[RegionRow]:
+    """Locate the parts of a SHREC'16 folder, each turned at random, one after the other.
+
+    Writes ``bench.json`` to `output` after every pair, and takes up there what an earlier run of
+    the same version and options already measured.
+    """
+    options = options or LocateOptions()
+    pairs = shrec16_pairs(directory, kind=kind, remeshed=remeshed)[:limit]
+    question = {
+        "version": __version__,
+        "kind": kind,
+        "remeshed": remeshed is not None,
+        "options": asdict(options),
+    }
+    rows = {} if output is None else _known(output / "bench.json", question)
+    stages = Stages(len(pairs))
+    for number, files in enumerate(pairs):
+        with stages(files.name):
+            if files.name not in rows:
+                rows[files.name] = _measured(files.load(), number, options)
+        if output is not None:
+            document = {**question, "rows": [asdict(row) for row in rows.values()]}
+            write_text(output / "bench.json", json.dumps(document, indent=1) + "\n")
+    stages.close()
+    return [rows[files.name] for files in pairs]
+
+
+def region_table(rows: list[RegionRow]) -> str:
+    """The rows and their means as text."""
+    head = f"{'pair':<28}{'area':>6}{'IoU':>7}{'mirror':>8}{'any':>6}{'score':>7}{'s':>7}"
+    lines = [head]
+    lines += [
+        f"{row.pair:<28}{row.area_fraction:>6.2f}{row.iou:>7.3f}{row.iou_mirror_forgiven:>8.3f}"
+        f"{row.iou_with_alternatives:>6.2f}{row.score:>7.3f}{row.seconds:>7.1f}"
+        for row in rows
+    ]
+    if rows:
+        mean = {
+            name: float(np.mean([getattr(row, name) for row in rows]))
+            for name in ("area_fraction", "iou", "iou_mirror_forgiven", "iou_with_alternatives")
+        }
+        seconds = float(np.median([row.seconds for row in rows]))
+        lines.append(
+            f"{f'mean of {len(rows)} (seconds: median)':<28}{mean['area_fraction']:>6.2f}"
+            f"{mean['iou']:>7.3f}{mean['iou_mirror_forgiven']:>8.3f}"
+            f"{mean['iou_with_alternatives']:>6.2f}{'':>7}{seconds:>7.1f}"
+        )
+        lines.append("SHREC'16 training set; the method is not trained.")
+    return "\n".join(lines)
+
+
+def _measured(pair: Pair, seed: int, options: LocateOptions) -> RegionRow:
+    start = time.perf_counter()
+    region = locate(pair.full, rotated(pair.part, seed), options)
+    seconds = time.perf_counter() - start
+    truth = _truth_mask(pair, pair.truth)
+    iou = overlap(pair.full, region.mask, truth)
+    forgiven = iou
+    if pair.mirrored_truth is not None:
+        mirrored = _truth_mask(pair, pair.mirrored_truth)
+        forgiven = max(iou, overlap(pair.full, region.mask, mirrored))
+    others = [overlap(pair.full, other.mask, truth) for other in region.alternatives]
+    return RegionRow(
+        pair=pair.name,
+        area_fraction=region.area_fraction,
+        iou=iou,
+        iou_mirror_forgiven=forgiven,
+        iou_with_alternatives=max([iou, *others]),
+        score=region.score,
+        status=region.status.name,
+        seconds=seconds,
+        seconds_after_eigenbasis=seconds - region.timings["eigenbasis"],
+    )
+
+
+def _truth_mask(pair: Pair, truth: SurfacePoints) -> Bools:
+    return true_region(pair.full, pair.part, truth)
+
+
+def _known(path: Path, question: dict[str, object]) -> dict[str, RegionRow]:
+    try:
+        document = json.loads(path.read_text(encoding="utf-8"))
+        if any(document.get(key) != value for key, value in question.items()):
+            return {}
+        return {row["pair"]: RegionRow(**row) for row in document["rows"]}
+    except (OSError, ValueError, KeyError, TypeError):
+        return {}  # no earlier run, or one of another version: measured anew

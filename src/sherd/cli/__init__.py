@@ -1,0 +1,5 @@
+"""Floor 10: the command line."""
+
+from sherd.cli.main import main
+
+__all__ = ["main"]

@@ -1,0 +1,47 @@
+"""`sherd check`."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import click
+
+from sherd.cli.exits import INVALID_INPUT
+from sherd.errors import InputError
+from sherd.mesh.files import read_mesh_with_notices, write_mesh
+from sherd.mesh.inspection import inspect
+from sherd.mesh.repair import repair
+
+__all__ = ["check_command"]
+
+EXIT_OF = {"usable": 0, "after repair": 1, "unusable": INVALID_INPUT}
+
+
+@click.command("check")
+@click.argument("mesh", type=click.Path(path_type=Path))
+@click.option("--repair", "repaired", type=click.Path(path_type=Path), help="Write it repaired.")
+@click.option("--json", "as_json", is_flag=True, help="Print the findings as JSON.")
+def check_command(mesh: Path, *, repaired: Path | None, as_json: bool) -> int:
+    """Say what is wrong with MESH and what repair would do.
+
+    Exit code 0: usable as it is; 1: usable after repair, which the other commands do by
+    themselves and say so; 3: unusable.
+    """
+    try:
+        loaded, notices = read_mesh_with_notices(mesh)
+        report = inspect(loaded)
+    except InputError as error:
+        if not as_json:
+            raise
+        click.echo(json.dumps({"usable": "unusable", "error": str(error)}, indent=2))
+        return INVALID_INPUT
+    if as_json:
+        click.echo(json.dumps({**report.as_dict(), "notices": list(notices)}, indent=2))
+    else:
+        click.echo("\n".join([str(report), *(f"  note: {notice}" for notice in notices)]))
+    if repaired is not None and report.usable != "unusable":
+        write_mesh(repair(loaded)[0], repaired)
+        if not as_json:
+            click.echo(f"  written: {repaired}")
+    return EXIT_OF[report.usable]

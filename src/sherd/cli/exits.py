@@ -1,0 +1,80 @@
+"""Exit codes: one place that turns what happened into a number and one line of text."""
+
+from __future__ import annotations
+
+import os
+import sys
+from typing import Any
+
+import click
+
+from sherd.errors import InputError, OptionError, OutputError, SherdError
+
+__all__ = [
+    "INTERNAL",
+    "INTERRUPTED",
+    "INVALID_INPUT",
+    "NOT_CONVERGED",
+    "NOT_WRITTEN",
+    "USAGE",
+    "ReportingGroup",
+]
+
+USAGE = 2
+INVALID_INPUT = 3
+NOT_CONVERGED = 4
+NOT_WRITTEN = 5
+INTERNAL = 70  # EX_SOFTWARE of sysexits.h
+INTERRUPTED = 130  # 128 + SIGINT
+
+
+class ReportingGroup(click.Group):
+    """A group of commands whose errors end in one line on standard error and an exit code."""
+
+    def main(self, *args: Any, **kwargs: Any) -> Any:
+        """Run a command and exit; see the module for the codes."""
+        kwargs["standalone_mode"] = False
+        try:
+            result = super().main(*args, **kwargs)
+        except click.exceptions.Exit as done:
+            sys.exit(done.exit_code)
+        except click.ClickException as error:
+            error.show()
+            sys.exit(error.exit_code)
+        except (click.Abort, KeyboardInterrupt):
+            _say("interrupted; nothing was left half-written")
+            sys.exit(INTERRUPTED)
+        except SherdError as error:
+            _say(str(error))
+            sys.exit(_code(error))
+        except MemoryError:
+            _say("not enough memory; decimate the meshes first, for example to 100,000 vertices")
+            sys.exit(INVALID_INPUT)
+        except BrokenPipeError:
+            # the reader of our output has gone; Python would complain while closing the stream
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+            sys.exit(0)
+        except Exception as error:
+            if os.environ.get("SHERD_DEBUG"):
+                raise
+            _say(
+                f"internal error: {type(error).__name__}: {error}; please report it "
+                "(SHERD_DEBUG=1 shows where it happened)"
+            )
+            sys.exit(INTERNAL)
+        sys.exit(result if isinstance(result, int) else 0)
+
+
+def _code(error: SherdError) -> int:
+    if isinstance(error, OptionError):
+        return USAGE
+    if isinstance(error, OutputError):
+        return NOT_WRITTEN
+    if isinstance(error, InputError):
+        return INVALID_INPUT
+    return INTERNAL
+
+
+def _say(text: str) -> None:
+    one_line = " ".join(text.split())
+    click.echo(f"{click.style('sherd:', fg='red', bold=True)} {one_line}", err=True)

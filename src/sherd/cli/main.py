@@ -1,0 +1,52 @@
+"""The commands of sherd; each is loaded when it is called, so that help is instant."""
+
+from __future__ import annotations
+
+import importlib
+from typing import Any
+
+import click
+
+from sherd._version import __version__
+from sherd.cli.exits import ReportingGroup
+
+__all__ = ["main"]
+
+# name: (module, function, first line of its help, repeated here so that help loads nothing)
+COMMANDS = {
+    "locate": ("sherd.cli.locating", "locate_command", "Find where a piece belongs on the whole."),
+    "check": ("sherd.cli.checking", "check_command", "Say what is wrong with a mesh."),
+    "demo": ("sherd.cli.demo", "demo_command", "See it work on a generated animal."),
+    "bench": ("sherd.cli.benching", "bench_group", "Measure accuracy and speed."),
+}
+
+
+class _LazyGroup(ReportingGroup):
+    def list_commands(self, ctx: click.Context) -> list[str]:  # noqa: ARG002
+        return list(COMMANDS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:  # noqa: ARG002
+        if cmd_name not in COMMANDS:
+            return None
+        module, name, _ = COMMANDS[cmd_name]
+        command: click.Command = getattr(importlib.import_module(module), name)
+        return command
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:  # noqa: ARG002
+        with formatter.section("Commands"):
+            formatter.write_dl([(name, text) for name, (_, _, text) in COMMANDS.items()])
+
+
+@click.group(cls=_LazyGroup, context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(__version__, prog_name="sherd")
+def main(**_: Any) -> None:
+    """Partial matching of non-rigid 3D shapes.
+
+    Where does a deformed, incomplete piece belong on the whole?
+
+    \b
+    Examples:
+      sherd demo
+      sherd locate template.ply scan.ply -o out/
+      sherd check scan.obj
+    """

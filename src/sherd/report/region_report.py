@@ -1,0 +1,232 @@
+"""The output folder of `sherd locate`: result.json, CSV, PLY, PNG and HTML of a Region."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Mapping
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+
+from sherd.mesh.encode import encoded
+from sherd.mesh.triangle_mesh import TriangleMesh
+from sherd.output import ResultFolder
+from sherd.region.region import Region
+from sherd.region.region import Placement as RegionPlacement
+from sherd.report.colors import layer_colors
+from sherd.report.exhibit import Exhibit, Layer, Placement
+from sherd.report.html import page
+from sherd.report.picture import picture, png_bytes
+
+__all__ = ["region_csv", "region_exhibit", "region_result", "write_region_report"]
+
+# A twin whose score comes this near to the best deserves the reader's attention: repeated runs
+# on remeshed copies of one pair differ by about as much.
+CLOSE_SCORE = 0.02
+
+
+def write_region_report(
+    region: Region,
+    folder: str | os.PathLike[str],
+    *,
+    command: str = "",
+    notices: Mapping[str, tuple[str, ...]] | None = None,
+) -> dict[str, Any]:
+    """Write all files of a located region; docs/files.md describes them.
+
+    Parameters
+    ----------
+    region
+        Numbered as the user's files are.
+    folder
+        Made when missing; files of the same names are replaced.
+    command
+        What to type to get the same again, shown in the report.
+    notices
+        What was adapted while reading, by "full" and "part".
+
+    Returns
+    -------
+    dict
+        The content of ``result.json``.
+
+    Raises
+    ------
+    OutputError
+        If something cannot be written; see :class:`sherd.output.ResultFolder`.
+    """
+    exhibit = region_exhibit(region, command=command, notices=notices)
+    with ResultFolder(folder) as output:
+        output.add("region.csv", region_csv(region))
+        output.add("region.ply", _region_ply(region, exhibit))
+        output.add("region.png", png_bytes(picture(exhibit)))
+        output.add("report.html", page(exhibit))
+        return output.finish(region_result(region, command=command, notices=notices))
+
+
+def region_csv(region: Region) -> str:
+    """``full_vertex,membership,in_region``, one row per vertex of the full shape, from 0."""
+    rows = zip(region.membership.tolist(), region.mask.tolist(), strict=True)
+    lines = [f"{vertex},{u:.6f},{int(inside)}" for vertex, (u, inside) in enumerate(rows)]
+    return "\n".join(["full_vertex,membership,in_region", *lines]) + "\n"
+
+
+def region_result(
+    region: Region,
+    *,
+    command: str = "",
+    notices: Mapping[str, tuple[str, ...]] | None = None,
+) -> dict[str, Any]:
+    """The content of ``result.json`` but for the hashes: plain numbers, strings and lists."""
+    said = notices or {}
+    return {
+        "format": "sherd region 1",
+        "version": region.version,
+        "command": command,
+        "full": _mesh_facts(region.full, said.get("full", ())),
+        "part": _mesh_facts(region.part, said.get("part", ())),
+        "status": region.status.name.lower().replace("_", "-"),
+        "advice": region.status.advice,
+        "area_fraction": region.area_fraction,
+        "score": region.score,
+        "alternatives": [
+            {
+                "name": other.name,
+                "score": other.score,
+                "mirrored": other.mirrored,
+                "overlap": _overlap(region, other),
+            }
+            for other in region.alternatives
+        ],
+        "energy": {**asdict(region.energy), "total": region.energy.total},
+        "check": asdict(region.check()),
+        "options": asdict(region.options),
+        "seed": region.options.seed,
+        "timings": dict(region.timings),
+    }
+
+
+def region_exhibit(
+    region: Region,
+    *,
+    command: str = "",
+    notices: Mapping[str, tuple[str, ...]] | None = None,
+) -> Exhibit:
+    """The region as something to look at."""
+    result = region_result(region, command=command, notices=notices)
+    facts = {
+        "Result": {
+            key: result[key] for key in ("status", "area_fraction", "score", "advice", "version")
+        },
+        "Full shape": result["full"],
+        "Part": result["part"],
+        "Check": result["check"],
+        "Energy": result["energy"],
+        "Options": result["options"],
+        "Seconds": result["timings"],
+    }
+    return Exhibit(
+        title=f"{region.part.name} on {region.full.name}",
+        full=region.full,
+        part=region.part,
+        full_layers=_layers(region),
+        score=region.score,
+        score_name="mean similarity of neighborhoods, 1 is best",
+        alternatives=tuple(_placement(other) for other in region.alternatives),
+        summary=_sentences(region, notices or {}),
+        facts=facts,
+        command=command,
+        region=region.mask,
+    )
+
+
+def _layers(region: Region) -> tuple[Layer, ...]:
+    layers = [
+        Layer(
+            "membership",
+            region.membership,
+            range=(0.0, 1.0),
+            color_map="ember",
+            description="How much each point of the full shape belongs to the part's place.",
+        ),
+        Layer("region", region.mask, "mask", description="The place, cut to the part's area."),
+        Layer(
+            "phase field",
+            region.phase_field,
+            range=(0.0, 1.0),
+            color_map="dusk",
+            description="Near 0 where the place has its boundary, 1 elsewhere.",
+        ),
+    ]
+    for name, values in region.full.fields.items():
+        if values.ndim == 1 and np.isfinite(values).any():
+            layers.append(Layer(f"{name} (from the file)", values))
+    return tuple(layers)
+
+
+def _placement(other: RegionPlacement) -> Placement:
+    described = {
+        "mirrored twin": "The place that a mirror image of the part would fit.",
+        "elsewhere": "The best place outside the region shown first.",
+    }
+    return Placement(
+        name=other.name,
+        score=other.score,
+        description=described.get(other.name, ""),
+        full_layers=(
+            Layer("membership", other.membership, range=(0.0, 1.0), color_map="ember"),
+            Layer("region", other.mask, "mask"),
+        ),
+    )
+
+
+def _sentences(region: Region, notices: Mapping[str, tuple[str, ...]]) -> tuple[str, ...]:
+    percent = 100 * region.area_fraction
+    pieces = region.check().piece_count
+    place = "one piece" if pieces == 1 else f"{pieces} pieces"
+    said = [
+        f"The part is {percent:.0f} % of the full shape and lies in {place} of it.",
+        f"Its neighborhoods resemble those of its place by {region.score:.2f} of 1.",
+    ]
+    for other in region.alternatives:
+        gap = region.score - other.score
+        close = "is as plausible" if gap < CLOSE_SCORE else f"scores {gap:.2f} lower"
+        kind = (
+            "The mirrored twin (it fits a mirror image of the part)"
+            if other.mirrored
+            else "Another place"
+        )
+        said.append(f"{kind} {close}; it is in the list of alternatives.")
+    if not region.status.succeeded:
+        said.append(f"The solver {region.status.advice}.")
+    said += [f"{which} shape: {text}" for which, texts in notices.items() for text in texts]
+    return tuple(said)
+
+
+def _mesh_facts(mesh: TriangleMesh, notices: tuple[str, ...]) -> dict[str, Any]:
+    return {
+        "name": mesh.name,
+        "vertices": mesh.vertex_count,
+        "faces": mesh.face_count,
+        "area": mesh.area,
+        "notices": list(notices),
+    }
+
+
+def _overlap(region: Region, other: RegionPlacement) -> float:
+    areas = region.full.vertex_areas
+    union = float(areas[region.mask | other.mask].sum())
+    shared = float(areas[region.mask & other.mask].sum())
+    return shared / union if union > 0 else math.nan
+
+
+def _region_ply(region: Region, exhibit: Exhibit) -> bytes:
+    colors = layer_colors(exhibit.full_layers[0], region.full.vertex_count)
+    fields = {
+        "membership": region.membership,
+        "in_region": region.mask.astype(np.float64),
+        "phase_field": region.phase_field,
+    }
+    return encoded(region.full, ".ply", fields=fields, colors=colors)
