@@ -97,7 +97,7 @@ class MeshReport:
             genus = "" if self.genus is None else f", genus {self.genus}"
             lines.append(f"  {rims}{genus}")
         lines += [
-            f"  wrong: {finding.sentence} ({100 * finding.area_fraction:.2g} % of the area)"
+            f"  wrong: {finding.sentence} ({100 * finding.area_fraction:.3g} % of the area)"
             for finding in self.findings
         ]
         lines += [f"  note: {note}" for note in self.notes]
@@ -136,6 +136,7 @@ def inspect(mesh: TriangleMesh) -> MeshReport:
     # without area there is no unit of length, and the mesh is unusable anyway
     edges = edges / mesh.length if len(edges) else np.zeros(1)
     pieces = _piece_areas(mesh)
+    one_sided = repaired is not None and _one_sided(repaired)
     rims, genus = (None, None) if repaired is None else _rims_and_genus(repaired)
     findings = tuple(_finding(step) for step in repairs if step.count)
     verdict: Usable = "after repair" if findings else "usable"
@@ -153,12 +154,12 @@ def inspect(mesh: TriangleMesh) -> MeshReport:
         boundary_edge_count=len(topology.boundary_edges(solid)),
         boundary_loop_count=rims,
         closed=rims == 0,
-        genus=genus,
+        genus=None if one_sided else genus,
         shortest_edge=float(edges.min()),
         median_edge=float(np.median(edges)),
         longest_edge=float(edges.max()),
         findings=findings,
-        notes=_notes(mesh, pieces, edges, repaired),
+        notes=_notes(mesh, pieces, edges, repaired, one_sided=one_sided),
         repairs=repairs,
         usable=verdict,
     )
@@ -202,7 +203,7 @@ def _piece_areas(mesh: TriangleMesh) -> NDArray[np.float64]:
     return np.sort(areas)[::-1]
 
 
-def _rims_and_genus(mesh: TriangleMesh) -> tuple[int, int | None]:
+def _rims_and_genus(mesh: TriangleMesh) -> tuple[int, int]:
     """Boundary loops and handles of a mesh without non-manifold edges or vertices."""
     rims = 0
     border = topology.boundary_edges(mesh.faces)
@@ -211,16 +212,15 @@ def _rims_and_genus(mesh: TriangleMesh) -> tuple[int, int | None]:
         names, ends = np.unique(border, return_inverse=True)
         ends = ends.reshape(-1, 2)
         rims = int(gluing.components(ends[:, 0], ends[:, 1], len(names)).max()) + 1
-    if _one_sided(mesh).any():
-        return rims, None
     characteristic = mesh.vertex_count - len(mesh.edges) + mesh.face_count
     # Euler: V - E + F = 2 (components - genus) - rims
     return rims, (2 * mesh.component_count - rims - characteristic) // 2
 
 
-def _one_sided(mesh: TriangleMesh) -> NDArray[np.bool_]:
+def _one_sided(mesh: TriangleMesh) -> bool:
+    """Whether a piece has no two sides."""
     pairs = gluing.face_pairs(mesh.vertices, mesh.faces)
-    return gluing.orientation_flips(mesh.vertices, mesh.faces, pairs)[2]
+    return bool(gluing.orientation_flips(mesh.vertices, mesh.faces, pairs)[2].any())
 
 
 def _notes(
@@ -228,6 +228,8 @@ def _notes(
     pieces: NDArray[np.float64],
     edges: NDArray[np.float64],
     repaired: TriangleMesh | None,
+    *,
+    one_sided: bool,
 ) -> tuple[str, ...]:
     notes = []
     if len(pieces) > 1 and mesh.area > 0:
@@ -235,7 +237,7 @@ def _notes(
         notes.append(f"the largest of {len(pieces)} components holds {share:.3g} % of the area")
     if repaired is not None and repaired.component_count not in (1, len(pieces)):
         notes.append(f"after repair there are {repaired.component_count} components")
-    if repaired is not None and _one_sided(repaired).any():
+    if one_sided:
         notes.append("a component has one side only (like a Moebius strip); left and right blur")
     if edges.min() > 0 and edges.max() > _UNEVEN * edges.min():
         notes.append(
