@@ -45,7 +45,9 @@ LARGEST_GRID = 40_000
 # Vertices times squared spacing, which hardly depends on the spacing; only a first guess.
 FIRST_GUESS = 2.79
 COUNT_TOLERANCE = 0.01
-MAX_ATTEMPTS = 6
+MAX_ATTEMPTS = 32
+# Irrational steps of the grid along the axes, so that no two attempts are alike.
+SHIFTS = np.sqrt([2.0, 3.0, 5.0])
 # Individuals differ by up to this share in the length and girth of head, neck, trunk, legs, tail.
 VARIATION = 0.15
 EVENING_ROUNDS = 6
@@ -117,7 +119,7 @@ def _check(vertex_count: int, pose: str, individual: int) -> None:
         raise OptionError(f"individual is {individual}, but a seed from 0 on is needed")
 
 
-@lru_cache(maxsize=2)
+@lru_cache(maxsize=4)
 def _standing(vertex_count: int, individual: int) -> tuple[Floats, Ints, Floats]:
     body, _ = _body(individual)
     levels = 0
@@ -144,28 +146,36 @@ def _extracted(body: RoundCones, count: int) -> tuple[Floats, Ints]:
     """A mesh of the body with `count` vertices within 1 %, its triangles evened out."""
     lower, upper = body.bounds()
     spacing = float(np.sqrt(FIRST_GUESS / count))
-    for _ in range(MAX_ATTEMPTS):
+    for attempt in range(MAX_ATTEMPTS):
+        # another place of the grid each time: a cell that two sheets share is a matter of chance
+        shift = spacing * (2 + np.modf(attempt * SHIFTS)[0])
         vertices, faces = surface_nets(
             lambda points: body.value_and_gradient(points)[0],
-            lower - 2 * spacing,
+            lower - shift,
             upper + 2 * spacing,
             spacing=spacing,
         )
-        if abs(len(vertices) - count) <= COUNT_TOLERANCE * count:
+        vertices, faces = _without_spikes(vertices, faces)
+        if abs(len(vertices) - count) > COUNT_TOLERANCE * count:
+            spacing *= float(np.sqrt(len(vertices) / count))
+        elif _is_sphere(faces, len(vertices)):
             break
-        spacing *= float(np.sqrt(len(vertices) / count))
-    vertices, faces = _without_spikes(vertices, faces)
+    else:
+        raise SherdError(f"no clean surface of the animal with {count} vertices; ask for more")
     # averaging once in all directions takes out the tangles of cells that two sheets share
     neighbors = topology.adjacency(faces, len(vertices))
     vertices = body.projected(neighbors @ vertices / neighbors.sum(axis=1)[:, None])
     for _ in range(EVENING_ROUNDS):
         faces = flipped_to_delaunay(vertices, faces)
         vertices = body.projected(evened(vertices, faces, steps=2), steps=2)
-    mesh = TriangleMesh(vertices, flipped_to_delaunay(vertices, faces))
-    sphere_like = len(vertices) - len(mesh.edges) + mesh.face_count == 2
-    if not sphere_like or mesh.component_count != 1 or len(mesh.boundary_vertices):
-        raise SherdError(f"no clean surface of the animal with {count} vertices; ask for more")
-    return mesh.vertices, mesh.faces
+    return vertices, flipped_to_delaunay(vertices, faces)
+
+
+def _is_sphere(faces: Ints, count: int) -> bool:
+    """Closed, without a non-manifold edge, in one piece and of genus 0."""
+    edges, uses = topology.unique_edges(faces)
+    one_piece = not topology.component_labels(faces, count).any()
+    return bool((uses == 2).all()) and one_piece and count - len(edges) + len(faces) == 2
 
 
 def _without_spikes(vertices: Floats, faces: Ints) -> tuple[Floats, Ints]:

@@ -68,7 +68,10 @@ def voronoi_vertex_areas(vertices: Floats, faces: Ints) -> Floats:
     obtuse = cotangents < 0
     split = np.where(obtuse, areas / 2.0, areas / 4.0)
     share: Floats = np.where(obtuse.any(axis=1, keepdims=True), split, voronoi)
-    return np.bincount(faces.ravel(), share.ravel(), minlength=len(vertices))
+    gathered: Floats = np.bincount(faces.ravel(), share.ravel(), minlength=len(vertices)).astype(
+        float
+    )
+    return gathered
 
 
 def gradient(vertices: Floats, faces: Ints) -> sparse.csr_array:
