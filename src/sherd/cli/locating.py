@@ -57,7 +57,7 @@ DEFAULTS = LocateOptions()
 def locate_command(
     full: Path, part: Path, output: Path, *, as_json: bool, quiet: bool, **parameters: Any
 ) -> int:
-    """Find the region of the mesh FULL where the deformed piece PART belongs.
+    r"""Find the region of the mesh FULL where the deformed piece PART belongs.
 
     Writes region.csv, region.ply, region.png, report.html and result.json to the output folder.
 

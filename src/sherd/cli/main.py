@@ -40,7 +40,7 @@ class _LazyGroup(ReportingGroup):
 @click.group(cls=_LazyGroup, context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(__version__, prog_name="sherd")
 def main(**_: Any) -> None:
-    """Partial matching of non-rigid 3D shapes.
+    r"""Partial matching of non-rigid 3D shapes.
 
     Where does a deformed, incomplete piece belong on the whole?
 

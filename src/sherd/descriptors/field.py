@@ -81,8 +81,7 @@ class DescriptorField:
     @property
     def interior(self) -> NDArray[np.bool_]:
         """(n,) True where every number is valid."""
-        whole: NDArray[np.bool_] = self.valid.all(axis=1)
-        return whole
+        return np.asarray(self.valid.all(axis=1), dtype=np.bool_)
 
 
 class Descriptor(Protocol):

@@ -18,15 +18,14 @@ votes weighted by vertex area (meshing cancels), several radii.
 
 from __future__ import annotations
 
-import math
-
 import numba
 import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
+from sherd.descriptors.shot_kernel import AZIMUTHS, BINS, shot_histograms
+
 __all__ = [
-    "AZIMUTHS",
     "mirrored_spectra",
     "pooled_similarity",
     "rotation_spectra",
@@ -39,11 +38,6 @@ Floats = NDArray[np.float64]
 Singles = NDArray[np.float32]
 Ints = NDArray[np.int64]
 
-AZIMUTHS = 8
-_ELEVATIONS = 2
-_SHELLS = 2
-_COSINES = 11
-_BINS = _ELEVATIONS * _SHELLS * _COSINES
 _FREQUENCIES = AZIMUTHS // 2 + 1
 
 
@@ -72,18 +66,11 @@ def rotation_spectra(
     radii
         Radii of the neighborhoods, in the unit of `vertices`.
     """
-    reach = max(radii)
-    order, starts, origin, size, shape = _cells(vertices, reach)
-    histograms = np.zeros((len(queries), len(radii), AZIMUTHS, _BINS))
-    _vote(
-        np.ascontiguousarray(vertices), np.ascontiguousarray(normals), weights, queries,
-        np.ascontiguousarray(x_axes), np.ascontiguousarray(z_axes), np.array(radii),
-        (order, starts, origin, size, shape), histograms,
-    )  # fmt: skip
-    norms = np.sqrt((histograms**2).sum(axis=(2, 3), keepdims=True))
-    histograms /= np.where(norms > 0, norms, 1.0)
+    histograms = shot_histograms(
+        vertices, normals, weights, queries, x_axes=x_axes, z_axes=z_axes, radii=radii
+    )
     waves = np.fft.rfft(histograms, axis=2).transpose(2, 0, 1, 3)
-    flat = waves.reshape(_FREQUENCIES, len(queries), len(radii) * _BINS)
+    flat = waves.reshape(_FREQUENCIES, len(queries), len(radii) * BINS)
     # Parseval over 8 bins: frequencies 1 to 3 stand for two waves each
     share = np.array([1.0, 2.0, 2.0, 2.0, 1.0]) / AZIMUTHS
     scaled = flat * np.sqrt(share)[:, None, None]
@@ -97,7 +84,7 @@ def weighted_spectra(spectra: Singles, weights: NDArray[np.floating]) -> Singles
     then the weighted mean of the similarities of the radii, at most 1.
     """
     share = weights / weights.sum(axis=1, keepdims=True)
-    columns = np.tile(np.repeat(share, _BINS, axis=1), 2).astype(np.float32)
+    columns = np.tile(np.repeat(share, BINS, axis=1), 2).astype(np.float32)
     result: Singles = spectra * columns
     return result
 
@@ -119,6 +106,12 @@ def similarity(full_spectra: Singles, part_spectra: Singles) -> Singles:
         found = pooled_similarity(full_spectra, part_spectra[:, rows], everyone, vertices)
         found.max(axis=2, out=result[rows])
     return result
+
+
+def mirrored_spectra(spectra: Singles) -> Singles:
+    """Spectra of the mirror image: azimuths counted the other way, so imaginary parts change sign."""
+    half = spectra.shape[2] // 2
+    return np.concatenate([spectra[:, :, :half], -spectra[:, :, half:]], axis=2)
 
 
 def pooled_similarity(
@@ -173,83 +166,6 @@ def _shift_table(shifts: int) -> Singles:
     return table
 
 
-def _cells(vertices: Floats, reach: float) -> tuple[Ints, Ints, Floats, float, Ints]:
-    """Sort the vertices into cubes at least `reach` wide, at most 64 along each axis."""
-    origin = vertices.min(axis=0)
-    extent = float((vertices.max(axis=0) - origin).max())
-    size = max(reach, extent / 64.0)
-    place = np.floor((vertices - origin) / size).astype(np.int64)
-    shape = place.max(axis=0) + 1
-    flat = (place[:, 0] * shape[1] + place[:, 1]) * shape[2] + place[:, 2]
-    order = np.argsort(flat, kind="stable")
-    starts = np.searchsorted(flat[order], np.arange(int(shape.prod()) + 1))
-    return order, starts, origin, size, shape
-
-
-@numba.njit(cache=True, parallel=True)
-def _vote(vertices, normals, weights, queries, x_axes, z_axes, radii, cells, histograms):  # type: ignore[no-untyped-def]  # noqa: PLR0913
-    """Add the votes of all neighbors of each query to its histograms."""
-    order, starts, origin, size, shape = cells
-    reach = radii.max()
-    for row in numba.prange(len(queries)):
-        query = queries[row]
-        x, z = x_axes[row], z_axes[row]
-        y = np.array(
-            [z[1] * x[2] - z[2] * x[1], z[2] * x[0] - z[0] * x[2], z[0] * x[1] - z[1] * x[0]]
-        )
-        low, high = np.empty(3, np.int64), np.empty(3, np.int64)
-        for axis in range(3):
-            place = int(math.floor((vertices[query, axis] - origin[axis]) / size))
-            low[axis], high[axis] = max(place - 1, 0), min(place + 2, shape[axis])
-        for i in range(low[0], high[0]):
-            for j in range(low[1], high[1]):
-                first = (i * shape[1] + j) * shape[2]
-                for entry in range(starts[first + low[2]], starts[first + high[2]]):
-                    other = order[entry]
-                    if other == query or weights[other] == 0.0:
-                        continue
-                    d = vertices[other] - vertices[query]
-                    distance = math.sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2])
-                    if distance >= reach or distance == 0.0:
-                        continue
-                    n = normals[other]
-                    cosine = n[0] * z[0] + n[1] * z[1] + n[2] * z[2]
-                    a = d[0] * x[0] + d[1] * x[1] + d[2] * x[2]
-                    b = d[0] * y[0] + d[1] * y[1] + d[2] * y[2]
-                    height = (d[0] * z[0] + d[1] * z[1] + d[2] * z[2]) / distance
-                    azimuth = (math.atan2(b, a) / (2 * math.pi) + 1.0) % 1.0
-                    for k in range(len(radii)):
-                        if distance < radii[k]:
-                            _add(
-                                histograms[row, k], weights[other],
-                                azimuth, height, distance / radii[k], cosine,
-                            )  # fmt: skip
-
-
-@numba.njit(cache=True, inline="always")
-def _add(histogram, weight, azimuth, height, radius, cosine):  # type: ignore[no-untyped-def]
-    """Share one vote linearly between the two nearest bins of each of the four coordinates."""
-    at_azimuth = azimuth * AZIMUTHS
-    at_height = (min(1.0, max(-1.0, height)) + 1.0) * 0.5 * _ELEVATIONS - 0.5
-    at_radius = radius * _SHELLS - 0.5
-    at_cosine = (min(1.0, max(-1.0, cosine)) + 1.0) * 0.5 * _COSINES - 0.5
-    a0, h0 = int(math.floor(at_azimuth)), int(math.floor(at_height))
-    r0, c0 = int(math.floor(at_radius)), int(math.floor(at_cosine))
-    for step_a in range(2):
-        a = (a0 + step_a) % AZIMUTHS
-        share_a = weight * (1.0 - abs(at_azimuth - a0 - step_a))
-        for step_h in range(2):
-            h = min(_ELEVATIONS - 1, max(0, h0 + step_h))
-            share_h = share_a * (1.0 - abs(at_height - h0 - step_h))
-            for step_r in range(2):
-                r = min(_SHELLS - 1, max(0, r0 + step_r))
-                share_r = share_h * (1.0 - abs(at_radius - r0 - step_r))
-                base = (h * _SHELLS + r) * _COSINES
-                for step_c in range(2):
-                    c = min(_COSINES - 1, max(0, c0 + step_c))
-                    histogram[a, base + c] += share_r * (1.0 - abs(at_cosine - c0 - step_c))
-
-
 @numba.njit(cache=True, parallel=True, fastmath={"reassoc", "contract"})
 def _pool(parts, cells, waves, result):  # type: ignore[no-untyped-def]
     """Maximum over the vertices of each cell of the similarity at each rotation."""
@@ -269,7 +185,7 @@ def _pool(parts, cells, waves, result):  # type: ignore[no-untyped-def]
 
 # Sums may be regrouped into vector lanes: the same on every run, and four times faster.
 @numba.njit(cache=True, parallel=True, fastmath={"reassoc", "contract"})
-def _compare(full_spectra, part_spectra, pointers, candidates, waves, result):  # type: ignore[no-untyped-def]  # noqa: PLR0913
+def _compare(full_spectra, part_spectra, pointers, candidates, waves, result):  # type: ignore[no-untyped-def]
     """Similarity of each part point with each of its candidates, best over rotation."""
     half = full_spectra.shape[2] // 2
     last = _FREQUENCIES - 1

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from sherd.descriptors.field import DescriptorField, Surface
-from sherd.descriptors.shot_kernel import neighborhood_covariances, shot_histograms
+from sherd.descriptors.shot_kernel import neighborhood_moments, shot_histograms
 from sherd.errors import OptionError
 from sherd.mesh.triangle_mesh import TriangleMesh
 
@@ -66,12 +66,12 @@ def shot(
         mesh.vertices,
         mesh.vertex_normals,
         areas,
-        centers=mesh.vertices[wanted],
+        wanted,
         x_axes=x_axes,
         z_axes=z_axes,
-        radius=radius,
+        radii=(radius,),
     )
-    return histograms.reshape(len(wanted), -1)
+    return histograms.reshape(len(wanted), -1).astype(np.float32)
 
 
 def local_frames(
@@ -82,9 +82,7 @@ def local_frames(
     Principal directions of the weighted neighborhood: z the direction of least spread on the
     side of the vertex normal, x the direction of largest spread on the side of its mean.
     """
-    covariance, mean = neighborhood_covariances(
-        mesh.vertices, weights, centers=mesh.vertices[queries], radius=radius
-    )
+    covariance, mean = neighborhood_moments(mesh.vertices, weights, queries, radius=radius)
     _, axes = np.linalg.eigh(covariance)
     z_axes, x_axes = axes[:, :, 0], axes[:, :, 2]
     z_axes = z_axes * _sign(np.einsum("qc,qc->q", z_axes, mesh.vertex_normals[queries]))

@@ -1,210 +1,209 @@
-"""The compiled inner loop of SHOT: histograms of normals around points, in given frames."""
+"""The compiled inner loops of SHOT: histograms of normals around points, in given frames."""
 
 from __future__ import annotations
+
+import math
 
 import numba
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["AZIMUTH_BINS", "COSINE_BINS", "neighborhood_covariances", "shot_histograms"]
+__all__ = ["AZIMUTHS", "BINS", "neighborhood_moments", "shot_histograms"]
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-# The grid of Tombari et al. 2010: 8 azimuth x 2 elevation x 2 radial sectors, 11 cosine bins.
-AZIMUTH_BINS = 8
-COSINE_BINS = 11
+# The grid of Salti, Tombari, Di Stefano 2014: 8 azimuth x 2 elevation x 2 radial sectors with 11
+# bins for the cosine between the normal of a neighbor and the axis of the point.
+AZIMUTHS = 8
+ELEVATIONS = 2
+SHELLS = 2
+COSINES = 11
+BINS = ELEVATIONS * SHELLS * COSINES
 
 
 def shot_histograms(
-    positions: Floats,
+    vertices: Floats,
     normals: Floats,
     weights: Floats,
+    queries: Ints,
     *,
-    centers: Floats,
     x_axes: Floats,
     z_axes: Floats,
-    radius: float,
-) -> NDArray[np.float32]:
-    """Weighted histograms of normals in the spherical sectors around each center.
+    radii: tuple[float, ...],
+) -> Floats:
+    """Weighted histograms of normals in the spherical sectors around each query vertex.
 
-    A sample adds its weight to the sectors by its place in the frame of the center, and inside
-    a sector to the bin of the cosine between its normal and the z axis; all four coordinates
-    are interpolated linearly, so that the histogram is a continuous function of the shape.
+    A neighbor adds its weight to the sectors by its place in the frame of the query, and inside a
+    sector to the bin of the cosine between its normal and the z axis; all four coordinates are
+    interpolated linearly, so that a histogram is a continuous function of the shape.
 
     Parameters
     ----------
-    positions, normals
-        (n, 3) sample points (l) and their unit normals.
+    vertices, normals
+        (n, 3) positions, l, and unit normals.
     weights
-        (n,) area that each sample stands for, l^2.
-    centers
-        (q, 3) l.
+        (n,) weight of each vertex as a neighbor: its area, or zero to hide it.
+    queries
+        (q,) vertices described.
     x_axes, z_axes
-        (q, 3) unit and orthogonal; y = z cross x.
-    radius
-        Radius of the ball, l.
+        (q, 3) unit and orthogonal; azimuth is counted from x towards z cross x.
+    radii
+        Radii of the neighborhoods, l.
 
     Returns
     -------
-    (q, 8, 44) float32
-        Azimuth sector, then elevation, radius and cosine; each (8, 44) block has norm 1, or is
-        zero where the ball holds no weight.
+    (q, r, 8, 44) float64
+        Azimuth, then elevation, radius and cosine; each (8, 44) block has norm 1, or is zero
+        where the ball holds no weight.
 
     References
     ----------
-    Tombari, Salti, Di Stefano, *Unique signatures of histograms for local surface
-    description*, 2010, section 3. Deviation: samples weigh their area, not 1, so that the
+    Salti, Tombari, Di Stefano, *SHOT: unique signatures of histograms for surface and texture
+    description*, 2014, section 4. Deviation: neighbors weigh their area, not 1, so that the
     meshing does not matter.
     """
-    order, starts, origin, shape = _grid(positions, radius)
-    return _histograms(
-        positions[order], normals[order], weights[order], starts, origin, shape,
-        centers, x_axes, z_axes, radius,
+    cells = _cells(vertices, max(radii))
+    histograms = np.zeros((len(queries), len(radii), AZIMUTHS, BINS))
+    _vote(
+        np.ascontiguousarray(vertices), np.ascontiguousarray(normals), weights, queries,
+        np.ascontiguousarray(x_axes), np.ascontiguousarray(z_axes), np.array(radii),
+        cells, histograms,
     )  # fmt: skip
+    norms = np.sqrt((histograms**2).sum(axis=(2, 3), keepdims=True))
+    histograms /= np.where(norms > 0, norms, 1.0)
+    return histograms
 
 
-def neighborhood_covariances(
-    positions: Floats, weights: Floats, *, centers: Floats, radius: float
+def neighborhood_moments(
+    vertices: Floats, weights: Floats, queries: Ints, *, radius: float
 ) -> tuple[Floats, Floats]:
-    """Moments of the samples about each center, weight falling linearly to 0 at `radius`.
+    """Covariance (q, 3, 3) l^2 and mean (q, 3) l of the neighbors' offsets from each query.
 
-    Returns
-    -------
-    covariance
-        (q, 3, 3), l^2: `sum w (radius - d) x x' / sum w (radius - d)`; zero for an empty ball.
-    mean
-        (q, 3), l: mean offset of the samples, by weight alone.
+    The covariance weighs a neighbor by `weight * (radius - distance)`, the mean by its weight
+    alone; both are zero for an empty ball. Tombari et al. 2010, equation 1.
     """
-    order, starts, origin, shape = _grid(positions, radius)
-    return _covariances(positions[order], weights[order], starts, origin, shape, centers, radius)
-
-
-def _grid(positions: Floats, cell: float) -> tuple[Ints, Ints, Floats, Ints]:
-    """Sort points by cubic cell: (order, start of each cell in the order, origin, cell counts)."""
-    origin = positions.min(axis=0)
-    extent = positions.max(axis=0) - origin
-    # cells may be larger than asked, so that a tiny radius cannot ask for more cells than memory
-    size = max(cell, float(extent.max()) / 200.0)
-    shape = np.floor(extent / size).astype(np.int64) + 1
-    index = np.minimum(((positions - origin) / size).astype(np.int64), shape - 1)
-    flat = (index[:, 0] * shape[1] + index[:, 1]) * shape[2] + index[:, 2]
-    order = np.argsort(flat, kind="stable")
-    starts = np.searchsorted(flat[order], np.arange(shape.prod() + 1))
-    return order, starts, np.append(origin, size), shape
-
-
-@numba.njit(cache=True)
-def _cell_range(value, low, size, radius, count):  # type: ignore[no-untyped-def]  # pragma: no cover
-    first = int(np.floor((value - radius - low) / size))
-    last = int(np.floor((value + radius - low) / size))
-    return max(first, 0), min(last, count - 1)
-
-
-@numba.njit(cache=True, parallel=True)
-def _histograms(  # type: ignore[no-untyped-def]  # pragma: no cover  # noqa: PLR0913
-    positions, normals, weights, starts, origin, shape, centers, x_axes, z_axes, radius
-):
-    count = len(centers)
-    out = np.zeros((count, AZIMUTH_BINS, 4 * COSINE_BINS), dtype=np.float32)
-    size = origin[3]
-    for q in numba.prange(count):
-        block = np.zeros((AZIMUTH_BINS, 4 * COSINE_BINS))
-        p = centers[q]
-        x = x_axes[q]
-        z = z_axes[q]
-        y0 = z[1] * x[2] - z[2] * x[1]
-        y1 = z[2] * x[0] - z[0] * x[2]
-        y2 = z[0] * x[1] - z[1] * x[0]
-        i0, i1 = _cell_range(p[0], origin[0], size, radius, shape[0])
-        j0, j1 = _cell_range(p[1], origin[1], size, radius, shape[1])
-        k0, k1 = _cell_range(p[2], origin[2], size, radius, shape[2])
-        for i in range(i0, i1 + 1):
-            for j in range(j0, j1 + 1):
-                row = (i * shape[1] + j) * shape[2]
-                for s in range(starts[row + k0], starts[row + k1 + 1]):
-                    w = weights[s]
-                    if w <= 0.0:
-                        continue
-                    dx = positions[s, 0] - p[0]
-                    dy = positions[s, 1] - p[1]
-                    dz = positions[s, 2] - p[2]
-                    distance = np.sqrt(dx * dx + dy * dy + dz * dz)
-                    if distance > radius or distance < 1e-9 * radius:
-                        continue
-                    a = dx * x[0] + dy * x[1] + dz * x[2]
-                    b = dx * y0 + dy * y1 + dz * y2
-                    c = dx * z[0] + dy * z[1] + dz * z[2]
-                    cosine = normals[s, 0] * z[0] + normals[s, 1] * z[1] + normals[s, 2] * z[2]
-                    cosine = min(1.0, max(-1.0, cosine))
-                    # continuous bin coordinates; a sector's center lies at whole numbers
-                    f_cosine = (cosine + 1.0) / 2.0 * COSINE_BINS - 0.5
-                    f_azimuth = (np.arctan2(b, a) / (2.0 * np.pi) + 1.0) % 1.0 * AZIMUTH_BINS
-                    f_height = (min(1.0, max(-1.0, c / distance)) + 1.0) - 0.5
-                    f_radial = distance / radius * 2.0 - 0.5
-                    n_cosine = int(np.floor(f_cosine))
-                    n_azimuth = int(np.floor(f_azimuth))
-                    n_height = int(np.floor(f_height))
-                    n_radial = int(np.floor(f_radial))
-                    for u in range(2):
-                        azimuth = (n_azimuth + u) % AZIMUTH_BINS
-                        r_azimuth = f_azimuth - n_azimuth
-                        w_azimuth = w * (r_azimuth if u == 1 else 1.0 - r_azimuth)
-                        for v in range(2):
-                            height = min(1, max(0, n_height + v))
-                            r_height = f_height - n_height
-                            w_height = w_azimuth * (r_height if v == 1 else 1.0 - r_height)
-                            for t in range(2):
-                                radial = min(1, max(0, n_radial + t))
-                                r_radial = f_radial - n_radial
-                                w_radial = w_height * (r_radial if t == 1 else 1.0 - r_radial)
-                                base = (height * 2 + radial) * COSINE_BINS
-                                r_cosine = f_cosine - n_cosine
-                                low = max(0, n_cosine)
-                                high = min(COSINE_BINS - 1, n_cosine + 1)
-                                block[azimuth, base + low] += w_radial * (1.0 - r_cosine)
-                                block[azimuth, base + high] += w_radial * r_cosine
-        norm = np.sqrt((block * block).sum())
-        if norm > 0.0:
-            for u in range(AZIMUTH_BINS):
-                for v in range(4 * COSINE_BINS):
-                    out[q, u, v] = block[u, v] / norm
-    return out
-
-
-@numba.njit(cache=True, parallel=True)
-def _covariances(positions, weights, starts, origin, shape, centers, radius):  # type: ignore[no-untyped-def]  # pragma: no cover  # noqa: PLR0913
-    count = len(centers)
-    covariance = np.zeros((count, 3, 3))
-    mean = np.zeros((count, 3))
-    size = origin[3]
-    for q in numba.prange(count):
-        p = centers[q]
-        total = 0.0
-        mass = 0.0
-        d = np.empty(3)
-        i0, i1 = _cell_range(p[0], origin[0], size, radius, shape[0])
-        j0, j1 = _cell_range(p[1], origin[1], size, radius, shape[1])
-        k0, k1 = _cell_range(p[2], origin[2], size, radius, shape[2])
-        for i in range(i0, i1 + 1):
-            for j in range(j0, j1 + 1):
-                row = (i * shape[1] + j) * shape[2]
-                for s in range(starts[row + k0], starts[row + k1 + 1]):
-                    for axis in range(3):
-                        d[axis] = positions[s, axis] - p[axis]
-                    distance = np.sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2])
-                    if distance > radius:
-                        continue
-                    w = weights[s] * (radius - distance)
-                    total += w
-                    mass += weights[s]
-                    for u in range(3):
-                        mean[q, u] += weights[s] * d[u]
-                        for v in range(3):
-                            covariance[q, u, v] += w * d[u] * d[v]
-        if total > 0.0:
-            for u in range(3):
-                mean[q, u] /= mass
-                for v in range(3):
-                    covariance[q, u, v] /= total
+    covariance = np.zeros((len(queries), 3, 3))
+    mean = np.zeros((len(queries), 3))
+    cells = _cells(vertices, radius)
+    _moments(np.ascontiguousarray(vertices), weights, queries, radius, cells, covariance, mean)
     return covariance, mean
+
+
+def _cells(vertices: Floats, reach: float) -> tuple[Ints, Ints, Floats, float, Ints]:
+    """Sort the vertices into cubes at least `reach` wide, at most 64 along each axis."""
+    origin = vertices.min(axis=0)
+    extent = float((vertices.max(axis=0) - origin).max())
+    size = max(reach, extent / 64.0)
+    place = np.floor((vertices - origin) / size).astype(np.int64)
+    shape = place.max(axis=0) + 1
+    flat = (place[:, 0] * shape[1] + place[:, 1]) * shape[2] + place[:, 2]
+    order = np.argsort(flat, kind="stable")
+    starts = np.searchsorted(flat[order], np.arange(int(shape.prod()) + 1))
+    return order, starts, origin, size, shape
+
+
+@numba.njit(cache=True, parallel=True)
+def _vote(vertices, normals, weights, queries, x_axes, z_axes, radii, cells, histograms):  # type: ignore[no-untyped-def]  # noqa: PLR0913
+    """Add the votes of all neighbors of each query to its histograms."""
+    # Scalars instead of small arrays: an allocation per neighbor would triple the time.
+    order, starts, origin, size, shape = cells
+    reach = radii.max()
+    for row in numba.prange(len(queries)):
+        query = queries[row]
+        px, py, pz = vertices[query, 0], vertices[query, 1], vertices[query, 2]
+        x0, x1, x2 = x_axes[row, 0], x_axes[row, 1], x_axes[row, 2]
+        z0, z1, z2 = z_axes[row, 0], z_axes[row, 1], z_axes[row, 2]
+        y0, y1, y2 = z1 * x2 - z2 * x1, z2 * x0 - z0 * x2, z0 * x1 - z1 * x0
+        ci = math.floor((px - origin[0]) / size)
+        cj = math.floor((py - origin[1]) / size)
+        ck = math.floor((pz - origin[2]) / size)
+        k_low, k_high = max(ck - 1, 0), min(ck + 2, shape[2])
+        for i in range(max(ci - 1, 0), min(ci + 2, shape[0])):
+            for j in range(max(cj - 1, 0), min(cj + 2, shape[1])):
+                first = (i * shape[1] + j) * shape[2]
+                for entry in range(starts[first + k_low], starts[first + k_high]):
+                    other = order[entry]
+                    weight = weights[other]
+                    if other == query or weight == 0.0:
+                        continue
+                    dx, dy, dz = (
+                        vertices[other, 0] - px,
+                        vertices[other, 1] - py,
+                        vertices[other, 2] - pz,
+                    )
+                    distance = math.sqrt(dx * dx + dy * dy + dz * dz)
+                    if distance >= reach or distance == 0.0:
+                        continue
+                    cosine = (
+                        normals[other, 0] * z0 + normals[other, 1] * z1 + normals[other, 2] * z2
+                    )
+                    along, across = dx * x0 + dy * x1 + dz * x2, dx * y0 + dy * y1 + dz * y2
+                    height = (dx * z0 + dy * z1 + dz * z2) / distance
+                    azimuth = (math.atan2(across, along) / (2 * math.pi) + 1.0) % 1.0
+                    for k in range(len(radii)):
+                        if distance < radii[k]:
+                            _add(
+                                histograms, row, k, weight,
+                                azimuth, height, distance / radii[k], cosine,
+                            )  # fmt: skip
+
+
+@numba.njit(cache=True, inline="always")
+def _add(histograms, row, k, weight, azimuth, height, radius, cosine):  # type: ignore[no-untyped-def]
+    """Share one vote linearly between the two nearest bins of each of the four coordinates."""
+    at_azimuth = azimuth * AZIMUTHS
+    at_height = (min(1.0, max(-1.0, height)) + 1.0) * 0.5 * ELEVATIONS - 0.5
+    at_radius = radius * SHELLS - 0.5
+    at_cosine = (min(1.0, max(-1.0, cosine)) + 1.0) * 0.5 * COSINES - 0.5
+    a0, h0 = math.floor(at_azimuth), math.floor(at_height)
+    r0, c0 = math.floor(at_radius), math.floor(at_cosine)
+    for step_a in range(2):
+        a = (a0 + step_a) % AZIMUTHS
+        share_a = weight * (1.0 - abs(at_azimuth - a0 - step_a))
+        for step_h in range(2):
+            h = min(ELEVATIONS - 1, max(0, h0 + step_h))
+            share_h = share_a * (1.0 - abs(at_height - h0 - step_h))
+            for step_r in range(2):
+                r = min(SHELLS - 1, max(0, r0 + step_r))
+                share_r = share_h * (1.0 - abs(at_radius - r0 - step_r))
+                base = (h * SHELLS + r) * COSINES
+                for step_c in range(2):
+                    c = min(COSINES - 1, max(0, c0 + step_c))
+                    histograms[row, k, a, base + c] += share_r * (
+                        1.0 - abs(at_cosine - c0 - step_c)
+                    )
+
+
+@numba.njit(cache=True, parallel=True)
+def _moments(vertices, weights, queries, radius, cells, covariance, mean):  # type: ignore[no-untyped-def]
+    """Sum the first and second moments of the neighbors of each query."""
+    order, starts, origin, size, shape = cells
+    for row in numba.prange(len(queries)):
+        query = queries[row]
+        total, mass = 0.0, 0.0
+        d = np.empty(3)
+        low, high = np.empty(3, np.int64), np.empty(3, np.int64)
+        for axis in range(3):
+            place = math.floor((vertices[query, axis] - origin[axis]) / size)
+            low[axis], high[axis] = max(place - 1, 0), min(place + 2, shape[axis])
+        for i in range(low[0], high[0]):
+            for j in range(low[1], high[1]):
+                first = (i * shape[1] + j) * shape[2]
+                for entry in range(starts[first + low[2]], starts[first + high[2]]):
+                    other = order[entry]
+                    for axis in range(3):
+                        d[axis] = vertices[other, axis] - vertices[query, axis]
+                    distance = math.sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2])
+                    if distance >= radius:
+                        continue
+                    weight = weights[other] * (radius - distance)
+                    total += weight
+                    mass += weights[other]
+                    for u in range(3):
+                        mean[row, u] += weights[other] * d[u]
+                        for v in range(3):
+                            covariance[row, u, v] += weight * d[u] * d[v]
+        if total > 0.0:
+            mean[row] /= mass
+            covariance[row] /= total

@@ -95,7 +95,8 @@ def geodesic_directions(
     close = distances[:, samples].T < near
     down_x = np.where(close, np.einsum("ijc,ic->ij", chords, x_axes), down_x)
     down_y = np.where(close, np.einsum("ijc,ic->ij", chords, side), down_y)
-    return np.arctan2(down_y, down_x).astype(np.float32)
+    angles: NDArray[np.float32] = np.arctan2(down_y, down_x).astype(np.float32)
+    return angles
 
 
 def _sample_gradient(mesh: TriangleMesh, samples: Ints, axes: Floats) -> sparse.csr_array:

@@ -77,4 +77,4 @@ def learn_vocabulary(descriptors: Floats, size: int, *, rng: np.random.Generator
         words, nearest = kmeans2(sample, size, iter=15, minit="++", rng=rng)
     spread = np.linalg.norm(sample - words[nearest], axis=1)
     softness = float(np.median(spread)) or 1e-12
-    return Vocabulary(frozen(words), softness)
+    return Vocabulary(np.asarray(frozen(words), dtype=np.float64), softness)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from sherd._version import __version__
 from sherd.errors import InfeasibleError
@@ -70,7 +71,9 @@ def locate(
     unit_full = _moved(full, full.length)
     unit_part = _moved(part, full.length)
     method = locate_by_voting if options.method == "voting" else locate_by_integrals
-    found = method(unit_full, unit_part, options, stages)
+    # Two BLAS threads are slower than one at these sizes, and their order of sums may vary.
+    with threadpool_limits(limits=1, user_api="blas"):
+        found = method(unit_full, unit_part, options, stages)
     return Region(
         full=full,
         part=part,
