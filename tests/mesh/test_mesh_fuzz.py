@@ -124,6 +124,8 @@ def test_truncated_at_every_byte(tmp_path, kind):
 
 # Cases that once went wrong, reduced.
 FOUND = {
+    "sign behind.off": (".off", SEEDS["off"][1].replace(b"3 2 1 3", b"3 2 1- 3")),
+    "sign behind.ply": (".ply", ASCII_PLY.replace(b"0 1 0 7", b"0 1- 0 7")),
     "strided.glb": (
         ".glb",
         SEEDS["glb"][1].replace(b'"byteOffset":', b'"byteStride":'),

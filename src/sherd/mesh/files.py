@@ -76,7 +76,8 @@ def read_mesh_with_notices(
     source = Path(path)
     try:
         prepare = _format_of(source)
-        prepared = prepare(_content(source))
+        with np.errstate(all="ignore"):  # odd numbers are refused by name, not warned about
+            prepared = prepare(_content(source))
         if prepared.face_count == 0:
             raise InvalidMeshError(_without_faces(prepared.vertex_count))
         loaded = _loaded(prepared, source.suffix.lower())

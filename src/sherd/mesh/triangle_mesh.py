@@ -87,12 +87,12 @@ class TriangleMesh:
 
     @property
     def vertex_count(self) -> int:
-        """n."""
+        """N."""
         return len(self.vertices)
 
     @property
     def face_count(self) -> int:
-        """m."""
+        """M."""
         return len(self.faces)
 
     @cached_property

@@ -24,6 +24,8 @@ __all__ = ["prepare"]
 
 Ints = NDArray[np.int64]
 
+_LARGEST_INDEX = 2.0**53  # beyond it float64 skips whole numbers
+
 
 def prepare(data: bytes) -> Prepared:
     """Reduce an OBJ file to vertices (with colors if all have them) and faces.
@@ -83,12 +85,15 @@ def _even_columns(lines: list[str]) -> tuple[list[str], list[str]]:
 
 def _absolute(lines: list[str], corners: Ints, seen: Ints, vertex_count: int) -> Ints:
     """All references, flat and counted from 1."""
-    try:
-        flat = numbers(" ".join(lines), np.int64).astype(np.int64)
-    except ValueError:
-        flat = np.empty(0, dtype=np.int64)
-    if len(flat) != corners.sum():
-        _refuse_first_unreadable(lines)
+    exact = numbers(lines, "face")
+    odd = ~((np.abs(exact) < _LARGEST_INDEX) & (exact == np.rint(exact)))
+    if odd.any():
+        row = int(np.searchsorted(np.cumsum(corners), int(np.argmax(odd)), side="right"))
+        raise MeshFileError(
+            f"face {row} reads {lines[row][:40]!r}, which are no vertex indices; "
+            "export the mesh again"
+        )
+    flat = exact.astype(np.int64)
     rows = np.repeat(np.arange(len(lines)), corners)
     # OBJ counts from 1; a negative reference counts back from the last vertex before its line
     absolute = np.where(flat < 0, seen[rows] + 1 + flat, flat)
@@ -100,16 +105,6 @@ def _absolute(lines: list[str], corners: Ints, seen: Ints, vertex_count: int) ->
             f"(1..{vertex_count}); the file is truncated or damaged: export it again"
         )
     return absolute
-
-
-def _refuse_first_unreadable(lines: list[str]) -> None:
-    for index, line in enumerate(lines):
-        if not re.fullmatch(r"[+-]?\d{1,18}( [+-]?\d{1,18})*", line):
-            raise MeshFileError(
-                f"face {index} reads {line[:40]!r}, which are no vertex indices; "
-                "export the mesh again"
-            )
-    raise MeshFileError("the faces cannot be read as vertex indices; export the mesh again")
 
 
 def _face_lines(faces: Ints, corners: Ints) -> list[str]:

@@ -19,6 +19,8 @@ from sherd.mesh.preflight.prepared import (
 
 __all__ = ["prepare"]
 
+Ints = NDArray[np.int64]
+
 # [ST][C][N][4][n]OFF of the Geomview manual: texture, color, normal, four and n dimensions
 _KEYWORD = re.compile(r"^(ST)?(C)?(N)?(4)?(n)?OFF(?![A-Za-z])")
 
@@ -48,8 +50,8 @@ def prepare(data: bytes) -> Prepared:
     vertex_lines, face_lines = body[:vertex_count], body[vertex_count:]
     refuse_foreign_characters(vertex_lines, "vertex")
     _check_columns(vertex_lines, promised)
-    corners = _corner_counts(face_lines)
-    _check_indices(face_lines, corners, vertex_count)
+    flat, corners = _polygons(face_lines)
+    refuse_out_of_range(flat, corners, vertex_count)
     kept = [line for line, count in zip(face_lines, corners.tolist(), strict=True) if count >= 3]
     text = "\n".join(["OFF", f"{vertex_count} {len(kept)} 0", *vertex_lines, *kept])
     triangles = int(np.maximum(corners - 2, 0).sum())
@@ -104,28 +106,25 @@ def _check_columns(vertex_lines: list[str], promised: str) -> None:
         )
 
 
-def _corner_counts(face_lines: list[str]) -> NDArray[np.int64]:
-    """Corners of each face, after its line was found to name as many vertices that exist."""
+def _polygons(face_lines: list[str]) -> tuple[Ints, Ints]:
+    """Vertex indices of all faces, flat, and the number of corners of each."""
+    table = numbers(face_lines, "face")
+    if len(table) == 4 * len(face_lines):
+        rows = table.reshape(-1, 4)
+        if (rows[:, 0] == 3).all() and (rows == np.rint(rows)).all():
+            return rows[:, 1:].astype(np.int64).ravel(), np.full(len(rows), 3)
+    flat: list[int] = []
     counts = np.empty(len(face_lines), dtype=np.int64)
     for index, line in enumerate(face_lines):
         words = line.split()
-        if not words[0].isdigit() or len(words) <= int(words[0]):
+        counted = re.fullmatch(r"\d{1,18}", words[0])
+        corners = words[1 : int(words[0]) + 1] if counted else []
+        whole = all(re.fullmatch(r"[+-]?\d{1,18}", word) for word in corners)
+        if not counted or len(corners) < int(words[0]) or not whole:
             raise MeshFileError(
                 f"face {index} reads {line[:40]!r}, but a count and as many vertex indices are "
                 "needed; the file is truncated or its header is wrong: export it again"
             )
-        counts[index] = int(words[0])
-    return counts
-
-
-def _check_indices(face_lines: list[str], corners: NDArray[np.int64], vertex_count: int) -> None:
-    """Raise MeshFileError at the first index that is no whole number or no vertex."""
-    words = [line.split()[1 : count + 1] for line, count in zip(face_lines, corners, strict=True)]
-    flat = " ".join(word for row in words for word in row)
-    if re.search(r"[^0-9 +-]", flat):
-        row = next(i for i, row in enumerate(words) if re.search(r"[^0-9+-]", "".join(row)))
-        raise MeshFileError(
-            f"face {row} reads {face_lines[row][:40]!r}, which are no vertex indices; "
-            "export the mesh again"
-        )
-    refuse_out_of_range(numbers(flat, np.float64).astype(np.int64), corners, vertex_count)
+        counts[index] = len(corners)
+        flat.extend(map(int, corners))
+    return np.array(flat, dtype=np.int64), counts

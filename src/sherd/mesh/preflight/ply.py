@@ -189,7 +189,7 @@ def _packed_rows(rows: list[str], element: _Element) -> bytes:
                 f"{element.name} {index} has {len(row.split())} values, but the header declares "
                 f"{width}; the file is truncated or its header is wrong: export it again"
             )
-    table = numbers("\n".join(rows), np.float64).reshape(len(rows), width)
+    table = numbers(rows, element.name).reshape(len(rows), width)
     packed = np.empty(len(rows), dtype=[(name, f"<{kind}") for name, kind, _ in element.properties])
     with np.errstate(all="ignore"):
         for column, (name, _, _) in enumerate(element.properties):
@@ -202,7 +202,7 @@ def _polygons(rows: list[str], element: _Element, index_name: str) -> tuple[Ints
     refuse_foreign_characters(rows, "face")
     widths = {len(row.split()) for row in rows}
     if len(element.properties) == 1 and len(widths) == 1:
-        table = numbers("\n".join(rows), np.float64).reshape(len(rows), -1).astype(np.int64)
+        table = numbers(rows, "face").reshape(len(rows), -1).astype(np.int64)
         if (table[:, 0] == table.shape[1] - 1).all():
             return table[:, 1:].ravel(), table[:, 0]
     shapes = [_indices(row, index, element, index_name) for index, row in enumerate(rows)]

@@ -27,6 +27,7 @@ _BYTE_ORDER_MARKS = (
 )
 # Characters of numbers; the letters also spell "nan" and "inf", which are refused later by name.
 _NUMBER_CHARACTERS = dict.fromkeys(map(ord, "0123456789+-.eE \t\r\nnaifNAIF"))
+_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?|[+-]?(nan|inf)", re.IGNORECASE)
 
 
 @dataclass(frozen=True)
@@ -69,14 +70,26 @@ def decoded(data: bytes) -> str:
     return text
 
 
-def numbers(text: str, kind: type) -> NDArray[np.generic]:
-    """All numbers in `text`, separated by white space; ValueError at the first that is none."""
+def numbers(lines: list[str], what: str) -> NDArray[np.float64]:
+    """All numbers in `lines`, separated by white space, flat.
+
+    Raises
+    ------
+    MeshFileError
+        Naming the first line, as number so and so of `what`, that holds anything else.
+    """
     with warnings.catch_warnings():
         warnings.simplefilter("error")  # numpy only warns where the text ends early
         try:
-            return np.fromstring(text, sep=" ", dtype=kind)
-        except DeprecationWarning as warning:
-            raise ValueError(str(warning)) from warning
+            return np.fromstring("\n".join(lines), sep=" ", dtype=np.float64)
+        except (DeprecationWarning, ValueError) as error:
+            for index, line in enumerate(lines):
+                if not all(re.fullmatch(_NUMBER, word) for word in line.split()):
+                    raise MeshFileError(
+                        f"{what} {index} reads {line[:40]!r}, which are no numbers; "
+                        "export the mesh again"
+                    ) from error
+            raise MeshFileError(f"a {what} holds what is no number; export it again") from error
 
 
 def refuse_foreign_characters(lines: list[str], what: str) -> None:
