@@ -85,8 +85,10 @@ def creature(
 
     Notes
     -----
-    Poses are near-isometric: 95 % of the edges keep their length within 10 %. The same options
-    give the same bits on the same machine.
+    Poses are near-isometric: 95 % of the edges of individual 0 keep their length within 10 %,
+    93 % of others'. The same options give the same bits on the same machine. 10,000 vertices
+    take about 2 s, 1,000,000 about 40 s and 1.3 GB; another pose of the same size costs only
+    the skinning.
     """
     _check(vertex_count, pose, individual)
     vertices, faces, segment = _standing(vertex_count, individual)

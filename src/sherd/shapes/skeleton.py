@@ -88,7 +88,7 @@ LANDMARKS = {
 }
 
 # Joint angles (x, y, z) in degrees; bones not named keep their place on the parent. No joint turns
-# by more than 34 degrees, so that at least 95 % of the edges keep their length within 10 %.
+# by more than 34 degrees, so that about 95 % of the edges keep their length within 10 %.
 POSES: dict[str, dict[str, tuple[float, float, float]]] = {
     "stand": {},
     "walk": {

@@ -54,8 +54,8 @@ def farthest_point_sample(geodesics: Geodesics, count: int, *, start: int) -> tu
     -------
     indices, distances
         (c,) int and (c, n) float, l: distance from each sample to every vertex, inf where not
-        connected. Every vertex of a sampled component is within `distances[:-1].min()` at the
-        last sample.
+        connected. No vertex is farther from the sample than two samples are from each other,
+        up to the error of the distances.
 
     Raises
     ------
