@@ -14,8 +14,8 @@ __all__ = ["carried", "true_region"]
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-# Samples per vertex of the full shape; the covered share of a vertex is known to about 1 / 16.
-SAMPLES_PER_VERTEX = 16
+# Samples per vertex of the full shape; the covered share of a vertex is known to about 1 / 8.
+SAMPLES_PER_VERTEX = 8
 # One face of a part never needs more than 64^2 samples: it would span 256 vertices.
 MOST_DIVISIONS = 64
 
