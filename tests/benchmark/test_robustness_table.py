@@ -68,7 +68,7 @@ def test_check_says_what_is_wrong_and_the_table_is_written(tmp_path):
         ("deep/flipped.off", "done", 1),
         ("deep/short.off", "refused", 3),
     ]
-    assert rows[0].wrong.startswith("1 faces are turned against their neighbors")
+    assert rows[0].wrong.startswith("1 face turned against the neighbors")
     assert "short.off: the header promises 4 vertices and 2 faces" in rows[1].said
     with (tmp_path / "out" / "robustness.csv").open() as stream:
         assert [row["file"] for row in csv.DictReader(stream)] == [row.file for row in rows]

@@ -127,14 +127,14 @@ def test_polygons_become_triangles_with_a_notice(tmp_path):
     mesh, notices = read_mesh_with_notices(written(tmp_path, "house.off", text))
     assert mesh.face_count == 3
     assert mesh.area == pytest.approx(1.5)
-    assert notices == ("1 faces with more than three corners were cut into triangles",)
+    assert notices == ("cut 1 face with more than three corners into triangles",)
 
 
 def test_read_mesh_logs_the_notices(tmp_path, caplog):
     path = written(tmp_path, "q.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n")
     with caplog.at_level(logging.INFO, logger="sherd.mesh.files"):
         assert read_mesh(path).face_count == 2
-    assert "cut into triangles" in caplog.text
+    assert "into triangles" in caplog.text
 
 
 @pytest.mark.parametrize("order", ["<", ">"])

@@ -5,6 +5,8 @@ SHERD_FUZZ_CASES sets the number of cases for each format (60 if unset; 4000 mak
 
 from __future__ import annotations
 
+import copy
+import json
 import os
 import struct
 import time
@@ -143,3 +145,52 @@ FOUND = {
 def test_found_cases(tmp_path, name):
     suffix, data = FOUND[name]
     read_or_refuse(tmp_path / f"found{suffix}", data)
+
+
+def glb_parts():
+    data = SEEDS["glb"][1]
+    size = struct.unpack_from("<I", data, 12)[0]
+    return json.loads(data[20 : 20 + size]), data[20 + size :]
+
+
+def places_in(value, path=()):
+    """Every path to a value inside nested lists and dictionaries."""
+    items = value.items() if isinstance(value, dict) else enumerate(value)
+    for key, inner in items:
+        yield (*path, key)
+        if isinstance(inner, dict | list):
+            yield from places_in(inner, (*path, key))
+
+
+PLACES = list(places_in(glb_parts()[0]))
+ODD_NUMBERS = [-1, 0, 1, 2, 5, 36, 5120, 5125, 5126, 2**31, 10**12, 0.5, 1e308, np.nan, np.inf]
+ODD_THINGS = [None, True, "", "x", "VEC4", "../../secret.bin", [], {}, [0], [[0]], [1e300] * 16]
+ODD_VALUES = st.sampled_from([*ODD_NUMBERS, *ODD_THINGS, {"POSITION": 0}])
+
+
+@settings(
+    max_examples=2 * CASES,
+    deadline=None,
+    suppress_health_check=[HealthCheck.function_scoped_fixture],
+)
+@given(changes=st.lists(st.tuples(st.sampled_from(PLACES), ODD_VALUES), min_size=1, max_size=3))
+def test_damaged_glb_headers(tmp_path, changes):
+    header, rest = glb_parts()
+    for path, odd in changes:
+        holder = header
+        for key in path[:-1]:
+            if not isinstance(holder, dict | list):
+                break
+            try:
+                holder = holder[key]
+            except (KeyError, IndexError, TypeError):
+                break
+        else:
+            if isinstance(holder, dict) or (
+                isinstance(holder, list) and path[-1] in range(len(holder))
+            ):
+                holder[path[-1]] = copy.deepcopy(odd)
+    text = json.dumps(header).encode()
+    text += b" " * (-len(text) % 4)
+    body = struct.pack("<II", len(text), 0x4E4F534A) + text + rest
+    read_or_refuse(tmp_path / "case.glb", struct.pack("<4sII", b"glTF", 2, 12 + len(body)) + body)

@@ -80,8 +80,8 @@ def test_defects_are_counted_with_their_area():
     assert share["drop degenerate faces"] == 0
     assert max(report.extent) == pytest.approx(5)  # the far vertex is on no face
     text = str(report)
-    assert "wrong: 1 faces repeat another face" in text
-    assert "repair: 1 vertices that belong to no face were left out" in text
+    assert "wrong: 1 face on top of another" in text
+    assert "repair: left out 1 vertex on no face" in text
     assert text.endswith("usable after repair")
 
 

@@ -106,7 +106,7 @@ def test_degenerate_faces_leave_and_the_mesh_stays_whole():
     repaired, report = repair(mesh)
     assert counts(report) == {"drop degenerate faces": 3}
     assert np.array_equal(repaired.faces, faces)
-    assert report.notices == ("3 faces without area were left out",)
+    assert report.notices == ("left out 3 faces without area",)
 
 
 @pytest.mark.parametrize("offset", [0.0, 1e6])

@@ -58,7 +58,7 @@ class Change:
     concerned
         (m,) bool, old faces that were touched.
     sentence
-        What was done to them, for the user; it follows the count.
+        What was done, for the user; {face}, {edge} or {vertex} stands for the counted noun.
     """
 
     faces: Ints
@@ -96,13 +96,13 @@ def duplicate_faces(vertices: Floats, faces: Ints) -> Bools:
 def drop_degenerate_faces(vertices: Floats, faces: Ints) -> Change:
     """Leave out faces without area."""
     bad = degenerate_faces(vertices, faces)
-    return _without(vertices, faces, bad, "faces without area were left out")
+    return _without(vertices, faces, bad, "left out {face} without area")
 
 
 def drop_duplicate_faces(vertices: Floats, faces: Ints) -> Change:
     """Leave out faces that lie exactly on an earlier face, whichever way they are turned."""
     bad = duplicate_faces(vertices, faces)
-    return _without(vertices, faces, bad, "faces that repeat another face were left out")
+    return _without(vertices, faces, bad, "left out {face} on top of another")
 
 
 def weld_seams(vertices: Floats, faces: Ints) -> Change:
@@ -129,7 +129,7 @@ def weld_seams(vertices: Floats, faces: Ints) -> Change:
         solid = ~(welded == welded[:, [1, 2, 0]]).any(axis=1)
         rows, welded = rows[solid], welded[solid]
     count = len(vertices) - len(origin)
-    sentence = "vertices were joined along coincident edges"
+    sentence = "joined {vertex} to others along coincident edges"
     return Change(welded, origin, renumber, count, concerned, sentence)
 
 
@@ -176,7 +176,7 @@ def _seam_pairs(vertices: Floats, faces: Ints, places: Ints, free: Bools) -> Int
 def split_nonmanifold_edges(vertices: Floats, faces: Ints) -> Change:
     """Separate sheets at edges with more than two faces; the smoothest continuations stay."""
     group, uses = gluing.edge_groups(faces)
-    sentence = "edges with more than two faces were separated into sheets"
+    sentence = "separated the sheets at {edge} with more than two faces"
     bad = uses[group] > 2
     if not bad.any():
         return _without(vertices, faces, np.zeros(len(faces), dtype=bool), sentence)
@@ -197,7 +197,7 @@ def split_nonmanifold_vertices(vertices: Floats, faces: Ints) -> Change:
     pinched[_starts(faces)[bad]] = False
     pinched[_ends(faces)[bad]] = False
     pairs = gluing.face_pairs(vertices, faces)
-    sentence = "vertices where sheets touch in a point were doubled"
+    sentence = "doubled {vertex} in which sheets touch"
     return _split(vertices, faces, pairs, pinched, sentence)
 
 
@@ -208,7 +208,7 @@ def orient_faces(vertices: Floats, faces: Ints) -> Change:
     turned = faces.copy()
     turned[flips] = faces[flips][:, [0, 2, 1]]
     everything = np.arange(len(vertices))
-    sentence = "faces were turned to agree with their neighbors"
+    sentence = "turned {face} to agree with the neighbors or outward"
     return Change(turned, everything, everything, int(flips.sum()), flips, sentence)
 
 
@@ -219,7 +219,7 @@ def drop_unreferenced_vertices(vertices: Floats, faces: Ints) -> Change:
     renumber[origin] = np.arange(len(origin))
     none = np.zeros(len(faces), dtype=bool)
     count = len(vertices) - len(origin)
-    sentence = "vertices that belong to no face were left out"
+    sentence = "left out {vertex} on no face"
     return Change(renumber[faces], origin, renumber, count, none, sentence)
 
 

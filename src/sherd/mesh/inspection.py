@@ -13,6 +13,7 @@ from sherd.mesh import gluing, topology
 from sherd.mesh.changes import degenerate_faces
 from sherd.mesh.repair import RepairStep, repair
 from sherd.mesh.triangle_mesh import TriangleMesh
+from sherd.mesh.words import counted, spelled
 
 __all__ = ["Finding", "MeshReport", "inspect"]
 
@@ -87,13 +88,13 @@ class MeshReport:
     def __str__(self) -> str:
         size = " x ".join(f"{side:.4g}" for side in self.extent)
         lines = [
-            f"{self.name}: {self.vertex_count} vertices, {self.face_count} faces, "
-            f"{_plural(self.component_count, 'component')}",
+            f"{self.name}: {counted(self.vertex_count, 'vertex')}, "
+            f"{counted(self.face_count, 'face')}, {counted(self.component_count, 'component')}",
             f"  area {self.area:.6g}, extent {size}, edges {self.shortest_edge:.2g} to "
             f"{self.longest_edge:.2g} (median {self.median_edge:.2g}) of sqrt(area)",
         ]
         if self.boundary_loop_count is not None:
-            rims = "closed" if self.closed else _plural(self.boundary_loop_count, "boundary loop")
+            rims = "closed" if self.closed else counted(self.boundary_loop_count, "boundary loop")
             genus = "" if self.genus is None else f", genus {self.genus}"
             lines.append(f"  {rims}{genus}")
         lines += [
@@ -165,20 +166,20 @@ def inspect(mesh: TriangleMesh) -> MeshReport:
     )
 
 
-# What each repair step found, said as a defect; {} is the count.
+# What each repair step found, said as a defect.
 _DEFECTS = {
-    "drop degenerate faces": "{} faces have no area",
-    "drop duplicate faces": "{} faces repeat another face",
-    "weld seams": "{} vertices repeat another vertex along a seam",
-    "split non-manifold edges": "{} edges have more than two faces",
-    "split non-manifold vertices": "sheets touch in {} vertices only",
-    "orient faces": "{} faces are turned against their neighbors or inward",
-    "drop unreferenced vertices": "{} vertices belong to no face",
+    "drop degenerate faces": "{face} without area",
+    "drop duplicate faces": "{face} on top of another",
+    "weld seams": "{vertex} coinciding with others along a seam",
+    "split non-manifold edges": "{edge} with more than two faces",
+    "split non-manifold vertices": "{vertex} in which sheets touch",
+    "orient faces": "{face} turned against the neighbors or inward",
+    "drop unreferenced vertices": "{vertex} on no face",
 }
 
 
 def _finding(step: RepairStep) -> Finding:
-    sentence = _DEFECTS[step.name].format(step.count)
+    sentence = spelled(_DEFECTS[step.name], step.count)
     return Finding(step.name, step.count, step.area_fraction, sentence)
 
 
@@ -236,7 +237,7 @@ def _notes(
         share = 100 * float(pieces[0]) / mesh.area
         notes.append(f"the largest of {len(pieces)} components holds {share:.3g} % of the area")
     if repaired is not None and repaired.component_count not in (1, len(pieces)):
-        notes.append(f"after repair there are {repaired.component_count} components")
+        notes.append(f"after repair there are {counted(repaired.component_count, 'component')}")
     if one_sided:
         notes.append("a component has one side only (like a Moebius strip); left and right blur")
     if edges.min() > 0 and edges.max() > _UNEVEN * edges.min():
@@ -245,7 +246,3 @@ def _notes(
             "remeshing evenly gives better results"
         )
     return tuple(notes)
-
-
-def _plural(count: int, noun: str) -> str:
-    return f"{count} {noun}" if count == 1 else f"{count} {noun}s"

@@ -16,6 +16,7 @@ from sherd.mesh import geometry
 from sherd.mesh.changes import STEPS
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.mesh.validate import frozen
+from sherd.mesh.words import spelled
 
 __all__ = ["DEFAULT_STEPS", "RepairReport", "RepairStep", "repair"]
 
@@ -177,7 +178,9 @@ def repair(
         areas = geometry.face_areas(vertices, faces)
         fraction = float(areas[change.concerned].sum() / max(areas.sum(), np.finfo(float).tiny))
         done.append(
-            RepairStep(name, change.count, min(fraction, 1.0), f"{change.count} {change.sentence}")
+            RepairStep(
+                name, change.count, min(fraction, 1.0), spelled(change.sentence, change.count)
+            )
         )
         if not len(change.faces):
             raise InvalidMeshError(

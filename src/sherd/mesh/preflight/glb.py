@@ -14,8 +14,9 @@ __all__ = ["prepare"]
 _COMPONENT_BYTES = {5120: 1, 5121: 1, 5122: 2, 5123: 2, 5125: 4, 5126: 4}
 _COMPONENTS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
 _TRIANGLES = (4, 5, 6)  # list, strip and fan in the primitive modes of glTF 2.0
-# A file may place one mesh many times; beyond this it is an attack, not a scene.
-_LARGEST_SCENE = 50_000_000
+# A file may place one mesh many times. Ten times the vertices of the largest mesh that sherd is
+# made for is an attack, not a scene.
+_LARGEST_SCENE = 10_000_000
 _DEEPEST_NODE = 256
 
 
@@ -34,13 +35,20 @@ def prepare(data: bytes) -> Prepared:
             _check_accessor(header, index, accessor)
         kept, faces = _only_triangles(header)
         _check_scene(kept)
+        text = json.dumps(kept).encode()
     except MeshFileError:
         raise
-    except (TypeError, KeyError, ValueError, AttributeError, IndexError, RecursionError) as error:
+    except (
+        TypeError,
+        LookupError,
+        ValueError,
+        AttributeError,
+        OverflowError,
+        RecursionError,
+    ) as error:
         raise MeshFileError(
             f"its JSON part is damaged ({error!r}); export the mesh again"
         ) from None
-    text = json.dumps(kept).encode()
     text += b" " * (-len(text) % 4)
     body += b"\0" * (-len(body) % 4)
     parts = [struct.pack("<II", len(text), 0x4E4F534A), text]

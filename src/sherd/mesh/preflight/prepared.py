@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sherd.errors import MeshFileError
+from sherd.mesh.words import counted
 
 __all__ = [
     "Prepared",
@@ -122,8 +123,8 @@ def polygon_notices(corners: NDArray[np.int64]) -> tuple[str, ...]:
     notices = []
     if (corners > 3).any():
         count = int((corners > 3).sum())
-        notices.append(f"{count} faces with more than three corners were cut into triangles")
+        notices.append(f"cut {counted(count, 'face')} with more than three corners into triangles")
     if (corners < 3).any():
         count = int((corners < 3).sum())
-        notices.append(f"{count} faces with fewer than three corners were left out")
+        notices.append(f"left out {counted(count, 'face')} with fewer than three corners")
     return tuple(notices)
