@@ -190,7 +190,7 @@ class Page {
       const shape = this.shapes[side];
       const vertex = `vertex ${integer(numberOf(shape, end.vertex))}`;
       rows.push([name, end.face === undefined ? vertex : `near ${vertex}`, `point-${side}`]);
-      rows.push(["at", coordinates(coordinatesOf(shape, end.point)), `point-${side}-at`]);
+      rows.push(["at", coordinates(coordinatesOf(shape, end.point), shape.extent), `point-${side}-at`]);
       const layer = this.shown[side];
       if (layer && layer.kind !== "color") rows.push([layer.name, valueWords(layer, end.vertex), `point-${side}-value`]);
     }
@@ -309,7 +309,8 @@ class Page {
   }
 
   key(event) {
-    if (event.ctrlKey || event.metaKey || event.altKey || /^(INPUT|SELECT|TEXTAREA)$/.test(event.target.tagName) && event.target.type !== "radio") return;
+    const typing = event.target.matches?.("input[type=number], select");
+    if (typing || event.ctrlKey || event.metaKey || event.altKey) return;
     const layer = this.layerNames[Number(event.key) - 1];
     if (layer) this.setLayer(layer);
     else if (event.key === "a") this.setPlacement((this.state.placement + 1) % this.placements.length);

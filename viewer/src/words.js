@@ -12,7 +12,12 @@ export function number(value, digits = 4) {
 
 export const percent = (share) => `${number(100 * share, 3)} %`;
 
-export const coordinates = (point) => point.map((value) => number(value, 5)).join(", ");
+// No more digits than the packed data hold.
+export function coordinates(point, extent) {
+  const decimals = Math.max(0, Math.floor(-Math.log10(extent / 65534)));
+  if (decimals > 9 || extent >= 1e9) return point.map((value) => number(value, 5)).join(", ");
+  return point.map((value) => value.toFixed(decimals)).join(", ");
+}
 
 // Round numbers between low and high, about six.
 export function ticks(low, high) {

@@ -25,6 +25,8 @@ OBLIQUE_BONUS = 0.12
 PREVIEW_SIZE = 140
 # What lies within this share of the height above the ground carries the weight.
 CONTACT_SHARE = 0.06
+# Near the ground is below this share of the longest extent: hooves and hands, half a lying man.
+LOW_SHARE = 0.1
 SAMPLE_SIZE = 1500
 
 
@@ -53,9 +55,10 @@ class View:
 def upward(mesh: TriangleMesh) -> Floats:
     """Direction of the file that points up, (3,): y or z.
 
-    Animals are mirror-symmetric from side to side, so the axis of the best mirror is not up; of
+    Animals are mirror-symmetric from side to side, so the axis of the best mirror is not up. Of
     the rest, those on which the shape would stand (its center of mass is above its feet) come
-    first, then the longer one. Meshes without a preference are y-up, as most files are.
+    first, and of these the one with the least surface near the ground: feet, and not a rump or a
+    back. Meshes without a preference are y-up, as most files are.
     """
     points = _sample(mesh.vertices)
     center = np.average(mesh.vertices, axis=0, weights=mesh.vertex_areas + 1e-300)
@@ -64,12 +67,9 @@ def upward(mesh: TriangleMesh) -> Floats:
         [np.mean(tree.query(_mirrored(points, center, axis))[0]) for axis in range(3)]
     )
     side = int(np.argmin(asymmetry))
-    extent = np.ptp(points, axis=0)
     candidates = [axis for axis in (1, 2) if axis != side]
     standing = [axis for axis in candidates if _stands(mesh.vertices, center, axis)]
-    choice = max(
-        standing or candidates, key=lambda axis: (extent[axis] if standing else -axis, -axis)
-    )
+    choice = min(standing, key=lambda axis: _low_area(mesh, axis), default=candidates[0])
     direction: Floats = np.eye(3)[choice]
     return direction
 
@@ -150,6 +150,12 @@ def _principal_azimuth(mesh: TriangleMesh, up: Floats) -> float:
     longest = np.linalg.eigh(covariance)[1][:, -1]
     zero, quarter = orbit_view(up, 0.0, 0.0)[2], orbit_view(up, 90.0, 0.0)[2]
     return float(np.degrees(np.arctan2(longest @ quarter, longest @ zero))) % 180.0 + 90.0
+
+
+def _low_area(mesh: TriangleMesh, axis: int) -> float:
+    """Area near the lowest point along `axis`, l^2."""
+    height = mesh.vertices[:, axis] - mesh.vertices[:, axis].min()
+    return float(mesh.vertex_areas[height <= LOW_SHARE * np.ptp(mesh.vertices, axis=0).max()].sum())
 
 
 def _sample(points: Floats) -> Floats:

@@ -1,0 +1,161 @@
+from __future__ import annotations
+
+import io
+import time
+
+import numpy as np
+import pytest
+import trimesh
+from PIL import Image
+from scipy.spatial.transform import Rotation
+
+from sherd.errors import OptionError, OutputError
+from sherd.mesh.triangle_mesh import TriangleMesh
+from sherd.report.alignment import rotation_to_full
+from sherd.report.camera import best_view, looks_inside_out, orbit_view, upward
+from sherd.report.color_bar import ticks
+from sherd.report.exhibit import Exhibit, Layer
+from sherd.report.picture import picture, png_bytes, stage, write_picture
+from sherd.report.raster import covered_faces, shaded_image
+
+
+def test_rasterizer_covers_the_exact_area_and_keeps_the_nearest():
+    # two right triangles of 50 x 50 pixels, the second one in front
+    points = np.array(
+        [[10, 10, 1], [60, 10, 1], [10, 60, 1], [10, 10, 0], [60, 10, 0], [60, 60, 0]], dtype=float
+    )
+    seen = covered_faces(points, np.array([[0, 1, 2], [3, 4, 5]]), width=80, height=80)
+    assert abs((seen == 1).sum() - 1250) <= 50
+    assert abs((seen == 0).sum() - 625) <= 50
+    assert (seen[:10] == -1).all()
+
+
+def test_orientation_decides_what_is_inside():
+    points = np.array([[0, 0, 0], [0, 9, 0], [9, 0, 0]], dtype=float)  # counterclockwise on screen
+    normals = np.tile([0.0, 0.0, 1.0], (3, 1))
+    red = np.tile(np.array([200, 30, 30], dtype=np.uint8), (3, 1))
+    shapes = {"normals": normals, "colors": red, "width": 9, "height": 9}
+    outside = shaded_image(points, np.array([[0, 1, 2]]), **shapes)[2, 2]
+    inside = shaded_image(points, np.array([[0, 2, 1]]), **(shapes | {"normals": -normals}))[2, 2]
+    assert outside[0] > 150
+    assert int(outside[0]) - int(outside[1]) > 2 * (int(inside[0]) - int(inside[1]))
+
+
+def test_picture_shows_the_mask_and_repeats_to_the_bit(exhibit):
+    image = picture(exhibit, layer="mask", width=800)
+    pixels = np.asarray(image).astype(int)
+    left = pixels[:, :400]
+    orange = (left[..., 0] - left[..., 2] > 60).mean()
+    gray = ((np.ptp(left[..., :3], axis=2) < 15) & (left[..., 0] < 240)).mean()
+    assert orange > 0.05
+    assert gray > 0.02
+    assert png_bytes(image) == png_bytes(picture(exhibit, layer="mask", width=800))
+
+
+def test_each_layer_and_background(exhibit):
+    pictures = {name: np.asarray(picture(exhibit, layer=name, width=500)) for name in
+                ("membership", "correspondence", "mask", "octant", "confidence")}  # fmt: skip
+    assert len({image.tobytes() for image in pictures.values()}) == 5
+    clear = np.asarray(picture(exhibit, width=500, transparent=True))
+    assert clear[0, 0, 3] == 0
+    assert np.asarray(picture(exhibit, width=500))[0, 0].tolist() == [255, 255, 255, 255]
+    with pytest.raises(OptionError, match="layer is 'no such'"):
+        picture(exhibit, layer="no such")
+    with pytest.raises(OptionError, match="400"):
+        picture(exhibit, width=10)
+
+
+def test_picture_without_layers_and_of_one_triangle():
+    triangle = TriangleMesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+    image = np.asarray(picture(Exhibit("bare", triangle, triangle), width=500))
+    assert (image[80:200] < 230).any()
+
+
+def test_ten_thousand_vertices_take_less_than_a_second(exhibit_of_size):
+    large = exhibit_of_size(5)
+    picture(large, width=500)  # compiles on the first run
+    start = time.process_time()
+    picture(large)
+    assert time.process_time() - start < 1.0
+
+
+def test_written_file_is_an_image_and_bad_folder_an_error(exhibit, tmp_path):
+    write_picture(exhibit, tmp_path / "a.png")
+    with Image.open(io.BytesIO((tmp_path / "a.png").read_bytes())) as image:
+        assert image.format == "PNG"
+        assert image.width == 1600
+    (tmp_path / "file").write_text("")
+    with pytest.raises(OutputError):
+        write_picture(exhibit, tmp_path / "file" / "a.png")
+
+
+@pytest.mark.parametrize("axis", [0, 1, 2])
+def test_camera_faces_the_marked_cap(exhibit, axis):
+    full = exhibit.full
+    for sign in (1.0, -1.0):
+        up = np.eye(3)[(axis + 1) % 3]
+        marked = sign * full.vertices[:, axis] > 0.6 * np.abs(full.vertices[:, axis]).max()
+        view = best_view(full, marked, up)
+        assert sign * view.rotation[2, axis] > 0.4
+        assert view.visible_share > 0.7
+        np.testing.assert_allclose(view.rotation @ view.rotation.T, np.eye(3), atol=1e-12)
+        assert view.rotation[1] @ up > 0  # never upside down
+
+
+def test_views_are_rotations_with_up_upward():
+    for azimuth in (0.0, 77.0, 251.0):
+        rotation = orbit_view(np.array([0.0, 0.0, 1.0]), azimuth, 30.0)
+        assert np.linalg.det(rotation) == pytest.approx(1)
+        assert rotation[2, 2] == pytest.approx(0.5)
+
+
+def _four_legged(length_axis: int, up_axis: int) -> TriangleMesh:
+    def box(center, size):
+        body = trimesh.creation.box(size)
+        body.vertices += center
+        return body
+
+    parts = [box([0, 0, 1], [2, 0.6, 0.5]), box([1.2, 0, 1.4], [0.5, 0.3, 0.4])]
+    parts += [box([x, y, 0.4], [0.2, 0.2, 0.8]) for x in (-0.8, 0.8) for y in (-0.2, 0.2)]
+    beast = trimesh.util.concatenate(parts).subdivide().subdivide()
+    side_axis = 3 - length_axis - up_axis
+    vertices = np.empty_like(beast.vertices)
+    vertices[:, [length_axis, side_axis, up_axis]] = beast.vertices
+    return TriangleMesh(vertices, beast.faces)
+
+
+@pytest.mark.parametrize(("length_axis", "up_axis"), [(0, 1), (0, 2), (1, 2), (2, 1)])
+def test_four_legged_animals_stand(length_axis, up_axis):
+    assert upward(_four_legged(length_axis, up_axis)).tolist() == np.eye(3)[up_axis].tolist()
+
+
+def test_part_is_turned_onto_its_place(exhibit):
+    turn = Rotation.from_rotvec([0.4, 1.1, -0.7]).as_matrix()
+    np.testing.assert_allclose(rotation_to_full(exhibit), turn.T, atol=1e-6)
+    # without a map the shapes alone must do: the region is the exact half here
+    blind = Exhibit("t", exhibit.full, exhibit.part, region=exhibit.region)
+    found = rotation_to_full(blind)
+    angle = np.degrees(Rotation.from_matrix(found @ turn).magnitude())
+    assert angle < 10
+    assert stage(blind).part_rotation == pytest.approx(found)
+
+
+def test_inverted_mesh_is_noticed(exhibit):
+    full = exhibit.full
+    assert not looks_inside_out(full)
+    assert looks_inside_out(TriangleMesh(full.vertices, full.faces[:, ::-1]))
+
+
+def test_ticks_are_round_and_inside():
+    assert ticks(0.0, 1.0) == [0.0, 0.2, 0.4, 0.6, 0.8, 1.0]
+    assert ticks(-3.0, 41.0) == [0.0, 10.0, 20.0, 30.0, 40.0]
+    for low, high in [(1e-9, 3e-9), (-7.3, -7.1), (5.0, 5e8)]:
+        found = ticks(low, high)
+        assert 3 <= len(found) <= 7
+        assert min(found) >= low - 1e-12 * abs(low)
+        assert max(found) <= high + 1e-12 * abs(high)
+
+
+def test_unknown_values_are_drawn(exhibit):
+    hidden = Layer("u", np.full(exhibit.full.vertex_count, np.nan))
+    assert picture(Exhibit("t", exhibit.full, exhibit.part, (hidden,)), width=500).width == 500
