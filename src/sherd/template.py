@@ -158,17 +158,26 @@ class Template:
     @cached_property
     def spectra(self) -> Singles:
         """(5, n, 2 c) rotation-searched SHOT of every vertex."""
-        return self.spectra_within(np.ones(self.unit.vertex_count))
+        return self._spectra_of(np.arange(self.unit.vertex_count), self.unit.vertex_areas)
 
-    def spectra_within(self, membership: NDArray[np.floating]) -> Singles:
-        """Spectra of every vertex when only the area inside `membership` (n,) can be seen."""
+    def spectra_within(self, mask: NDArray[np.bool_]) -> Singles:
+        """Spectra as a part sees them that covers `mask` (n,): only the area inside counts.
+
+        Vertices outside keep their ordinary spectra.
+        """
+        inside = np.flatnonzero(mask)
+        spectra = self.spectra.copy()
+        spectra[:, inside] = self._spectra_of(inside, self.unit.vertex_areas * mask)
+        return spectra
+
+    def _spectra_of(self, vertices: Ints, weights: Floats) -> Singles:
         return rotation_spectra(
             self.unit.vertices,
             self.normals,
-            self.unit.vertex_areas * membership,
-            np.arange(self.unit.vertex_count),
-            x_axes=self.x_axes,
-            z_axes=self.normals,
+            weights,
+            vertices,
+            x_axes=self.x_axes[vertices],
+            z_axes=self.normals[vertices],
             radii=RADII,
         )
 

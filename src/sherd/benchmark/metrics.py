@@ -12,7 +12,6 @@ from sherd.spectral.geodesics import Geodesics
 __all__ = [
     "GroundTruthDistances",
     "cumulative_curve",
-    "dense_mask",
     "region_overlap",
     "vertex_mask",
 ]
@@ -71,27 +70,6 @@ class GroundTruthDistances:
         return self._rows[vertex]
 
 
-def dense_mask(full: TriangleMesh, part: TriangleMesh, points: SurfacePoints, *, steps: int = 4) -> Bools:
-    """Vertices (n,) of `full` hit when the faces of `part`, not only its vertices, are mapped.
-
-    Every face of the part whose image is no longer than a few edges is sampled on a grid of
-    `steps` subdivisions; each sample is moved to the nearest face of the full shape that its
-    corners' images touch, and marks the vertices of that face nearest to it.
-    """
-    image = points.positions(full)
-    corners = image[part.faces]
-    grid = [
-        (i / steps, j / steps, (steps - i - j) / steps)
-        for i in range(steps + 1)
-        for j in range(steps + 1 - i)
-    ]
-    samples = np.einsum("gk,fkc->fgc", np.array(grid), corners).reshape(-1, 3)
-    spread = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
-    sane = spread < 6 * max(full.mean_edge_length, part.mean_edge_length)
-    samples = samples[np.repeat(sane, len(grid))]
-    return _nearest_marks(full, np.concatenate([samples, image]))
-
-
 def vertex_mask(full: TriangleMesh, points: SurfacePoints) -> Bools:
     """Vertices (n,) of `full` that are the nearest corner of some answer."""
     mask = np.zeros(full.vertex_count, dtype=bool)
@@ -110,12 +88,3 @@ def cumulative_curve(errors: Floats, thresholds: Floats) -> Floats:
     """Share of the errors at most each threshold."""
     ordered = np.sort(errors)
     return np.searchsorted(ordered, thresholds, side="right") / max(len(ordered), 1)
-
-
-def _nearest_marks(full: TriangleMesh, samples: Floats) -> Bools:
-    from scipy.spatial import cKDTree  # noqa: PLC0415
-
-    mask = np.zeros(full.vertex_count, dtype=bool)
-    _, nearest = cKDTree(full.vertices).query(samples)
-    mask[nearest] = True
-    return mask

@@ -13,10 +13,12 @@ Horn, *Closed-form solution of absolute orientation using unit quaternions*, 198
 
 from __future__ import annotations
 
+import math
+
 import numba
 import numpy as np
 
-__all__ = ["fit_rotations", "relax_positions"]
+__all__ = ["fit_rotations", "relax_positions", "softened", "strains"]
 
 
 @numba.njit(cache=True, parallel=True)
@@ -57,9 +59,9 @@ def _closest_rotation(a, rotation):  # type: ignore[no-untyped-def]
     rotation[1, 2], rotation[2, 1] = 2 * (y * z - w * x), 2 * (y * z + w * x)
 
 
-@numba.njit(cache=True, parallel=True)
+@numba.njit(cache=True)
 def _apply(pointers, neighbors, weights, data, x, out):  # type: ignore[no-untyped-def]  # noqa: PLR0913
-    for i in numba.prange(len(x)):
+    for i in range(len(x)):
         for r in range(3):
             total = data[i, r, 0] * x[i, 0] + data[i, r, 1] * x[i, 1] + data[i, r, 2] * x[i, 2]
             for entry in range(pointers[i], pointers[i + 1]):
@@ -67,9 +69,9 @@ def _apply(pointers, neighbors, weights, data, x, out):  # type: ignore[no-untyp
             out[i, r] = total
 
 
-@numba.njit(cache=True, parallel=True)
+@numba.njit(cache=True)
 def _right_side(pointers, neighbors, weights, rest, rotations, data, targets, out):  # type: ignore[no-untyped-def]  # noqa: PLR0913
-    for i in numba.prange(len(rest)):
+    for i in range(len(rest)):
         for r in range(3):
             total = 0.0
             for c in range(3):
@@ -135,3 +137,34 @@ def _precondition(inverse, residual, out):  # type: ignore[no-untyped-def]
                 + inverse[i, r, 1] * residual[i, 1]
                 + inverse[i, r, 2] * residual[i, 2]
             )
+
+
+@numba.njit(cache=True, parallel=True)
+def strains(pointers, neighbors, weights, rest, positions, rotations):  # type: ignore[no-untyped-def]  # noqa: PLR0913
+    """Root of each vertex's share of E over its edges' squared lengths (n,): relative strain."""
+    count = len(rest)
+    result = np.empty(count)
+    for i in numba.prange(count):
+        moved, size = 0.0, 1e-30
+        for entry in range(pointers[i], pointers[i + 1]):
+            j = neighbors[entry]
+            for r in range(3):
+                turned = 0.0
+                for c in range(3):
+                    turned += rotations[i, r, c] * (rest[j, c] - rest[i, c])
+                moved += weights[entry] * (positions[j, r] - positions[i, r] - turned) ** 2
+                size += weights[entry] * (rest[j, r] - rest[i, r]) ** 2
+        result[i] = math.sqrt(moved / size)
+    return result
+
+
+@numba.njit(cache=True, parallel=True)
+def softened(pointers, neighbors, weights, strain):  # type: ignore[no-untyped-def]
+    """Edge weights divided by 1 + strain^2, mean of both ends: where it strains, creases form."""
+    result = np.empty(len(weights))
+    for i in numba.prange(len(strain)):
+        here = 1.0 / (1.0 + strain[i] * strain[i])
+        for entry in range(pointers[i], pointers[i + 1]):
+            there = strain[neighbors[entry]]
+            result[entry] = weights[entry] * 0.5 * (here + 1.0 / (1.0 + there * there))
+    return result

@@ -14,15 +14,16 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from sherd.correspondence.elastic import fit_rotations, relax_positions
+from sherd.correspondence.elastic import fit_rotations, relax_positions, softened, strains
 from sherd.correspondence.part_data import PartData
+from sherd.correspondence.surface_finder import SurfaceFinder
 from sherd.descriptors.rotation_shot import similarity_at
 from sherd.mesh.geometry import vertex_normals
-from sherd.mesh.surface_points import SurfacePoints, _closest_weights
+from sherd.mesh.surface_points import SurfacePoints
 from sherd.spectral.operators import stiffness
 from sherd.template import Template
 
-__all__ = ["Placement", "laid_on", "on_surface", "pulled_together", "similar_places"]
+__all__ = ["Placement", "elastic_strain", "laid_on", "on_surface", "pulled_together", "similar_places"]
 
 Floats = NDArray[np.float64]
 Singles = NDArray[np.float32]
@@ -37,12 +38,12 @@ PLACE_LIMIT = 0.04
 SIMILAR_LENGTH = 0.04
 # The part lies on the full shape: hold it there below the size of a triangle.
 SURFACE_LENGTH = 0.006
-# A normal that differs by a right angle counts like 0.03 of distance: other sheets stay away.
-NORMAL_SCALE = 0.03
 # Similarities within 0.02 of the best are equally good.
 SOFTNESS = 0.02
 # A target spread wider than a vertex spacing is a weak one.
 SPREAD = 0.012
+# Skin stretches by some percent everywhere and by much more in the creases of joints.
+STRAIN = 0.1
 CG_TOLERANCE, CG_LIMIT = 1e-3, 200
 
 
@@ -156,6 +157,7 @@ def laid_on(
     part: PartData,
     placement: Placement,
     *,
+    finder: SurfaceFinder,
     queries: Ints,
     spectra: tuple[Singles, Singles],
     reaches: tuple[float, ...],
@@ -165,13 +167,13 @@ def laid_on(
     """The elastic part laid on the full shape, drawn to similar places.
 
     One round per entry of `reaches`: look for similar places within that radius, then `slides`
-    times find the closest points of the surface and relax. `trust` (q,) weighs the queries.
+    times find the closest points of the surface and relax. `trust` (q,) weighs the queries;
+    `finder` knows the surface of `template.unit`.
     """
     elastic = elastic_surface(part)
     count = part.mesh.vertex_count
     areas = np.maximum(part.mesh.vertex_areas, 1e-9)
     density = count / len(queries)
-    finder = SurfaceFinder(template)
     for reach in reaches:
         targets, confidence, _ = similar_places(
             template, placement, queries, spectra, reach=reach
@@ -197,35 +199,10 @@ def laid_on(
     return placement
 
 
-class SurfaceFinder:
-    """Closest points of the template's surface, on faces that look the same way."""
-
-    def __init__(self, template: Template) -> None:
-        unit = template.unit
-        self._corners = unit.vertices[unit.faces]
-        self._tree = cKDTree(
-            np.concatenate([self._corners.mean(axis=1), NORMAL_SCALE * unit.face_normals], axis=1)
-        )
-        self._count = min(12, unit.face_count)
-
-    def closest(self, positions: Floats, normals: Floats) -> SurfacePoints:
-        """Closest point to each position (p, 3) with normal (p, 3), among 12 near faces."""
-        query = np.concatenate([positions, NORMAL_SCALE * normals], axis=1)
-        near = self._tree.query(query, k=self._count)[1].reshape(len(positions), self._count)
-        flat = near.ravel()
-        points = np.repeat(positions, self._count, axis=0)
-        weights = _closest_weights(points, self._corners[flat])
-        found = np.einsum("pk,pkc->pc", weights, self._corners[flat])
-        distance = ((found - points) ** 2).sum(axis=1).reshape(near.shape)
-        best = distance.argmin(axis=1)
-        rows = np.arange(len(positions))
-        return SurfacePoints(near[rows, best], weights.reshape(*near.shape, 3)[rows, best])
-
-
-def on_surface(template: Template, part: PartData, placement: Placement) -> SurfacePoints:
+def on_surface(finder: SurfaceFinder, part: PartData, placement: Placement) -> SurfacePoints:
     """The point of the full shape under each vertex of the placed part."""
     normals = vertex_normals(placement.positions, part.mesh.faces)
-    return SurfaceFinder(template).closest(placement.positions, normals)
+    return finder.closest(placement.positions, normals)
 
 
 def _fitted(elastic: _Elastic, placement: Placement) -> Placement:
@@ -239,8 +216,22 @@ def _fitted(elastic: _Elastic, placement: Placement) -> Placement:
 
 def _relaxed(elastic: _Elastic, placement: Placement, data: Floats, targets: Floats) -> Placement:
     """One alternation: positions for the rotations, then rotations for the positions."""
-    positions = relax_positions(
+    strain = strains(
         elastic.pointers, elastic.neighbors, elastic.weights, elastic.rest,
+        placement.positions, placement.rotations,
+    )  # fmt: skip
+    weights = softened(elastic.pointers, elastic.neighbors, elastic.weights, strain / STRAIN)
+    positions = relax_positions(
+        elastic.pointers, elastic.neighbors, weights, elastic.rest,
         placement.rotations, data, targets, placement.positions, CG_TOLERANCE, CG_LIMIT,
     )  # fmt: skip
     return _fitted(elastic, Placement(positions, placement.rotations))
+
+
+def elastic_strain(part: PartData, placement: Placement) -> Floats:
+    """Relative strain (n',) at each vertex: 0 where the part moved rigidly, 0.1 is ten percent."""
+    elastic = elastic_surface(part)
+    return strains(
+        elastic.pointers, elastic.neighbors, elastic.weights, elastic.rest,
+        placement.positions, placement.rotations,
+    )  # fmt: skip

@@ -1,0 +1,129 @@
+"""Hypothesis: one complete placement of the part, from a labeling to points and a score."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sherd.correspondence.dense import trilaterated
+from sherd.correspondence.labeling import Labeling
+from sherd.correspondence.part_data import PartData, part_spectra
+from sherd.correspondence.registration import (
+    Placement,
+    elastic_strain,
+    laid_on,
+    on_surface,
+    pulled_together,
+    similar_places,
+)
+from sherd.correspondence.surface_finder import SurfaceFinder, covered_vertices
+from sherd.descriptors.rotation_shot import mirrored_spectra
+from sherd.mesh.surface_points import SurfacePoints
+from sherd.template import Template
+
+__all__ = ["Hypothesis", "Queries", "part_queries", "settled"]
+
+Floats = NDArray[np.float64]
+Singles = NDArray[np.float32]
+Ints = NDArray[np.int64]
+
+# Vertices that look for similar neighborhoods; the elasticity carries the others along.
+QUERY_COUNT = 3000
+# The first look must survive slides of a node spacing; each later one is nearer.
+FIRST_REACHES = (0.05, 0.04)
+SECOND_REACHES = (0.04, 0.03)
+# Before the region is known, neighborhoods over the cut are not trusted.
+CUT_LENGTH, CUT_LEAST = 0.05, 0.1
+
+
+@dataclass(frozen=True, eq=False)
+class Queries:
+    """Vertices (q,) of the part that look for similar places, and their spectra (5, q, 2 c).
+
+    `cut_aware` weighs radii by the distance to the cut, `plain` does not.
+    """
+
+    vertices: Ints
+    cut_aware: Singles
+    plain: Singles
+
+
+@dataclass(frozen=True, eq=False)
+class Hypothesis:
+    """One placement of the part.
+
+    Attributes
+    ----------
+    labeling
+        What it started from.
+    placement, points, mask
+        The elastic part on the full shape, a point for every vertex, the region covered (n,).
+    inside_spectra
+        Spectra of the full shape when only the first region is seen.
+    similarity
+        (q,) similarity at the answers, neighborhoods seen inside the region only.
+    strain
+        (n',) relative strain of the elastic surface.
+    score
+        Area-weighted mean similarity minus mean strain, at most 1.
+    """
+
+    labeling: Labeling
+    placement: Placement
+    points: SurfacePoints
+    mask: NDArray[np.bool_]
+    inside_spectra: Singles
+    similarity: Floats
+    strain: Floats
+    score: float
+
+
+def part_queries(part: PartData, rng: np.random.Generator) -> Queries:
+    """Choose the query vertices and describe them once."""
+    used = np.unique(part.mesh.faces)
+    if len(used) > QUERY_COUNT:
+        used = np.sort(rng.choice(used, QUERY_COUNT, replace=False))
+    return Queries(
+        used, part_spectra(part, used, cut_aware=True), part_spectra(part, used, cut_aware=False)
+    )
+
+
+def settled(
+    template: Template, part: PartData, labeling: Labeling, queries: Queries, *, mirrored: bool = False
+) -> Hypothesis:
+    """Carry a labeling through to points: trilaterate, lay on, find the region, look again."""
+    view = (mirrored_spectra if mirrored else _same)(queries.cut_aware)
+    plain = (mirrored_spectra if mirrored else _same)(queries.plain)
+    vertices = queries.vertices
+    finder = SurfaceFinder(template.unit)
+    placement = pulled_together(template, part, trilaterated(template, part, labeling))
+    trust = np.clip(part.cut_distance[vertices] / CUT_LENGTH, CUT_LEAST, 1.0)
+    placement = laid_on(
+        template, part, placement, finder=finder, queries=vertices, spectra=(template.spectra, view),
+        reaches=FIRST_REACHES, trust=trust,
+    )  # fmt: skip
+    mask = covered_vertices(finder, template.unit, placement.positions, part.mesh.faces)
+    inside = template.spectra_within(mask)
+    placement = laid_on(
+        template, part, placement, finder=finder, queries=vertices, spectra=(inside, plain),
+        reaches=SECOND_REACHES,
+    )  # fmt: skip
+    points = on_surface(finder, part, placement)
+    mask = covered_vertices(finder, template.unit, placement.positions, part.mesh.faces)
+    _, _, similarity = similar_places(
+        template, placement, vertices, (inside, plain), reach=0.012
+    )
+    strain = elastic_strain(part, placement)
+    areas = part.mesh.vertex_areas
+    score = np.average(similarity, weights=areas[vertices]) - np.average(
+        np.minimum(strain, 1.0), weights=areas
+    )
+    return Hypothesis(
+        labeling, placement, points, mask, inside, similarity, strain, float(score)
+    )
+
+
+def _same(spectra: Singles) -> Singles:
+    return spectra
