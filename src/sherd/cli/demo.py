@@ -50,5 +50,5 @@ def demo_command(output: Path) -> int:
 def demo_fragment() -> Fragment:
     """Head, neck and chest of the walking animal, with other triangles and another position."""
     full, walking = creature(VERTEX_COUNT), creature(VERTEX_COUNT, pose="walk")
-    piece = cut_by_ball(whole(walking, full), landmarks(full)["nose"], 0.9)
+    piece = cut_by_ball(whole(walking, full), landmarks(full)["nose"], 0.7)
     return moved(remeshed(piece, 1.1), np.random.default_rng(7))

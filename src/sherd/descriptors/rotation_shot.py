@@ -108,12 +108,6 @@ def similarity(full_spectra: Singles, part_spectra: Singles) -> Singles:
     return result
 
 
-def mirrored_spectra(spectra: Singles) -> Singles:
-    """Spectra of the mirror image: azimuths counted the other way, so imaginary parts change sign."""
-    half = spectra.shape[2] // 2
-    return np.concatenate([spectra[:, :, :half], -spectra[:, :, half:]], axis=2)
-
-
 def pooled_similarity(
     full_spectra: Singles, part_spectra: Singles, cells: Ints, cell_count: int, *, shifts: int = 16
 ) -> Singles:
