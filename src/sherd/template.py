@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import io
 import os
+import zipfile
+import zlib
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -37,6 +39,8 @@ AXIS_WIDTH = 0.012
 NEAR = 0.07
 # 1,200 labels lie 0.03 apart, below the smallest radius; 700 were too few to pin directions.
 LABEL_COUNT = 1200
+# Raise when what is saved changes its meaning.
+FORMAT = 1
 BASIS_SIZE = 160
 
 
@@ -77,6 +81,10 @@ class Template:
 
     def __init__(self, full: TriangleMesh) -> None:
         self.full = full
+
+    def prepare(self) -> None:
+        """Compute now all that matching needs, instead of on first use."""
+        _ = (self.spectra, self.label_to_label, self.label_directions)
 
     @cached_property
     def unit(self) -> TriangleMesh:
@@ -170,6 +178,47 @@ class Template:
         spectra[:, inside] = self._spectra_of(inside, self.unit.vertex_areas * mask)
         return spectra
 
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write mesh and everything computed to one ``.npz`` file, atomically.
+
+        Raises
+        ------
+        OutputError
+            If the file cannot be written.
+        """
+        self.prepare()
+        arrays = {name: getattr(self, name) for name in _SAVED}
+        stream = io.BytesIO()
+        np.savez(
+            stream, format=FORMAT, name=self.full.name,
+            vertices=self.full.vertices, faces=self.full.faces, **arrays,
+        )  # fmt: skip
+        write_bytes(path, stream.getvalue())
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Template:
+        """Read what :meth:`save` wrote; matching with it gives the same bits.
+
+        Raises
+        ------
+        MeshFileError
+            If the file is missing, damaged, or of another version of sherd.
+        """
+        try:
+            with np.load(Path(path), allow_pickle=False) as stored:
+                content: dict[str, Any] = dict(stored)
+        except (OSError, ValueError, EOFError, zipfile.BadZipFile, zlib.error) as error:
+            raise MeshFileError(f"{path}: cannot be read as a template ({error})") from error
+        missing = {"format", "name", "vertices", "faces", *_SAVED} - set(content)
+        if missing or int(content["format"]) != FORMAT:
+            raise MeshFileError(f"{path}: is no template of this version of sherd; make it again")
+        full = TriangleMesh(content["vertices"], content["faces"], name=str(content["name"]))
+        template = cls(full)
+        template.__dict__["_labels"] = (content["label_vertices"], content["label_distances"])
+        for name in ("label_directions", "normals", "spectra"):
+            template.__dict__[name] = content[name]
+        return template
+
     def _spectra_of(self, vertices: Ints, weights: Floats) -> Singles:
         return rotation_spectra(
             self.unit.vertices,
@@ -180,6 +229,9 @@ class Template:
             z_axes=self.normals[vertices],
             radii=RADII,
         )
+
+
+_SAVED = ("label_vertices", "label_distances", "label_directions", "normals", "spectra")
 
 
 def canonical(mesh: TriangleMesh, length: float) -> TriangleMesh:

@@ -107,7 +107,7 @@ def _misfit(problem: Problem, node: int, guides: Ints, state: tuple[Ints, Floats
     template = problem.template
     length = problem.part.between[node, guides][:, None]
     off = (template.label_to_label[labels[guides]] - length) / (LENGTH_SIGMA + STRETCH_SIGMA * length)
-    angle = (problem.directions[guides, node] - rotations[guides])[:, None]
+    angle = (problem.part.directions[guides, node] - rotations[guides])[:, None]
     turn = 2 * (1 - np.cos(angle - template.label_directions[labels[guides]])) / ANGLE_SIGMA**2
     cost = off**2 / (1 + off**2 / LIMIT) + 0.5 * turn / (1 + turn / LIMIT)
     result: Floats = (cost * _nearness(length)).sum(axis=0)
@@ -123,7 +123,7 @@ def _consensus(problem: Problem, node: int, guides: Ints, state: tuple[Ints, Int
     """Rotation (c,) of `node` at candidate labels that agrees best with the directions to guides."""
     labels, at = state
     weight = _nearness(problem.part.between[node, guides])[:, None]
-    angle = problem.directions[node, guides][:, None]
+    angle = problem.part.directions[node, guides][:, None]
     angle = angle - problem.template.label_directions[at][:, labels[guides]].T
     result: Floats = np.angle((weight * np.exp(1j * angle)).sum(axis=0))
     return result
@@ -157,7 +157,7 @@ def _core(problem: Problem, labels: Ints, rotations: Floats) -> NDArray[np.bool_
     """Nodes of the largest component of mutually consistent nodes."""
     template, between = problem.template, problem.part.between
     distance = template.label_to_label[np.ix_(labels, labels)]
-    turn = problem.directions - template.label_directions[np.ix_(labels, labels)] - rotations[:, None]
+    turn = problem.part.directions - template.label_directions[np.ix_(labels, labels)] - rotations[:, None]
     agreement = np.cos(turn)
     near = (between < CORE_REACH) & (between > 0)
     agree = near & (np.abs(distance - between) < 0.03 + 0.15 * between)

@@ -70,12 +70,10 @@ def _apply(pointers, neighbors, weights, data, x, out):  # type: ignore[no-untyp
 
 
 @numba.njit(cache=True)
-def _right_side(pointers, neighbors, weights, rest, rotations, data, targets, out):  # type: ignore[no-untyped-def]  # noqa: PLR0913
+def _right_side(pointers, neighbors, weights, rest, rotations, pull, out):  # type: ignore[no-untyped-def]  # noqa: PLR0913
     for i in range(len(rest)):
         for r in range(3):
-            total = 0.0
-            for c in range(3):
-                total += data[i, r, c] * targets[i, c]
+            total = pull[i, r]
             for entry in range(pointers[i], pointers[i + 1]):
                 j = neighbors[entry]
                 for c in range(3):
@@ -86,17 +84,17 @@ def _right_side(pointers, neighbors, weights, rest, rotations, data, targets, ou
 
 @numba.njit(cache=True)
 def relax_positions(  # type: ignore[no-untyped-def]  # noqa: PLR0913
-    pointers, neighbors, weights, rest, rotations, data, targets, positions, tolerance, limit
+    pointers, neighbors, weights, rest, rotations, data, pull, positions, tolerance, limit
 ):
     """Positions (n, 3) of least energy for fixed rotations, by conjugate gradients from `positions`.
 
-    Preconditioned by the inverse of the 3 x 3 diagonal blocks; stops when the residual has
+    `pull` (n, 3) are the data matrices times their targets. Preconditioned by the inverse of the 3 x 3 diagonal blocks; stops when the residual has
     fallen by `tolerance`, or after `limit` steps.
     """
     count = len(rest)
     x = positions.copy()
     right = np.empty((count, 3))
-    _right_side(pointers, neighbors, weights, rest, rotations, data, targets, right)
+    _right_side(pointers, neighbors, weights, rest, rotations, pull, right)
     product = np.empty((count, 3))
     _apply(pointers, neighbors, weights, data, x, product)
     inverse = np.empty((count, 3, 3))

@@ -23,7 +23,7 @@ from sherd.descriptors.rotation_shot import mirrored_spectra
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.template import Template
 
-__all__ = ["Hypothesis", "Queries", "part_queries", "settled"]
+__all__ = ["Hypothesis", "Queries", "mirrored_queries", "part_queries", "settled"]
 
 Floats = NDArray[np.float64]
 Singles = NDArray[np.float32]
@@ -90,13 +90,18 @@ def part_queries(part: PartData, rng: np.random.Generator) -> Queries:
     )
 
 
+def mirrored_queries(queries: Queries) -> Queries:
+    """The same vertices on the part's mirror image."""
+    return Queries(
+        queries.vertices, mirrored_spectra(queries.cut_aware), mirrored_spectra(queries.plain)
+    )
+
+
 def settled(
-    template: Template, part: PartData, labeling: Labeling, queries: Queries, *, mirrored: bool = False
+    template: Template, part: PartData, labeling: Labeling, queries: Queries
 ) -> Hypothesis:
     """Carry a labeling through to points: trilaterate, lay on, find the region, look again."""
-    view = (mirrored_spectra if mirrored else _same)(queries.cut_aware)
-    plain = (mirrored_spectra if mirrored else _same)(queries.plain)
-    vertices = queries.vertices
+    vertices, view, plain = queries.vertices, queries.cut_aware, queries.plain
     finder = SurfaceFinder(template.unit)
     placement = pulled_together(template, part, trilaterated(template, part, labeling))
     trust = np.clip(part.cut_distance[vertices] / CUT_LENGTH, CUT_LEAST, 1.0)
@@ -123,7 +128,3 @@ def settled(
     return Hypothesis(
         labeling, placement, points, mask, inside, similarity, strain, float(score)
     )
-
-
-def _same(spectra: Singles) -> Singles:
-    return spectra

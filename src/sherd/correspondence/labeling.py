@@ -14,6 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
 from sherd.correspondence.message_passing import labeling_costs, pass_messages
 from sherd.correspondence.part_data import PartData
@@ -49,6 +50,8 @@ UNARY_WEIGHT = 8.0
 # Close to the cut a neighborhood says less: down to 0.4 within the middle radius.
 CUT_TRUST, CUT_LEAST = 0.06, 0.4
 ROUNDS = 8
+# A pinned vertex may move by the spacing of labels, and lengths from it stretch by a fifth.
+PIN_SLACK, PIN_STRETCH = 0.04, 1.2
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,8 +66,6 @@ class Problem:
         (k, s, r) float32 similarity of node and label at each of r rotations.
     edges, measures
         (e, 2) and (e, 5), see :func:`sherd.correspondence.message_passing.labeling_costs`.
-    mirrored
-        Whether directions on the part are counted the other way round.
     forbidden
         (k, s) bool, labels that a hint rules out.
     """
@@ -74,13 +75,7 @@ class Problem:
     similarity: Singles
     edges: Ints
     measures: Floats
-    mirrored: bool
     forbidden: NDArray[np.bool_]
-
-    @property
-    def directions(self) -> Singles:
-        """(k, k) directions on the part, turned round if the problem is mirrored."""
-        return -self.part.directions if self.mirrored else self.part.directions
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,16 +103,12 @@ def make_problem(
     part: PartData,
     similarity: Singles,
     rng: np.random.Generator,
-    *,
-    mirrored: bool = False,
-    forbidden: NDArray[np.bool_] | None = None,
 ) -> Problem:
-    """Choose the edges and their weights."""
+    """Choose the edges and their weights; labels that contradict the pins are forbidden."""
     edges = _edges(part.between, rng)
     measures = _measures(edges, part)
-    if forbidden is None:
-        forbidden = np.zeros(similarity.shape[:2], dtype=bool)
-    return Problem(template, part, similarity, edges, measures, mirrored, forbidden)
+    forbidden = _contradicting(template, part)
+    return Problem(template, part, similarity, edges, measures, forbidden)
 
 
 def unary_cost(problem: Problem, labels: Ints, rotations: Floats, step: float) -> Floats:
@@ -141,7 +132,7 @@ def unary_cost(problem: Problem, labels: Ints, rotations: Floats, step: float) -
 def solve(problem: Problem, labels: Ints, rotations: Floats, *, step: float) -> Labeling:
     """Choose one of the candidates (k, c) of each node so that the total cost is low."""
     part, template, edges = problem.part, problem.template, problem.edges
-    angles = problem.directions
+    angles = part.directions
     pairs = np.stack([angles[edges[:, 0], edges[:, 1]], angles[edges[:, 1], edges[:, 0]]], axis=1)
     shape = (template.label_to_label, template.label_directions)
     settings = (LENGTH_SIGMA, STRETCH_SIGMA, LIMIT, ANGLE_SIGMA)
@@ -199,3 +190,22 @@ def _local_cost(problem: Problem, paid: Floats) -> Floats:
     number = sum(np.bincount(end, minlength=count) for end in ends)
     result: Floats = total / np.maximum(number, 1)
     return result
+
+
+def _contradicting(template: Template, part: PartData) -> NDArray[np.bool_]:
+    """Labels (k, s) farther from a pinned place than the node is from the pinned vertex.
+
+    A path on the part is a path on the full shape, so distances on the full shape are not longer,
+    up to stretch and the spacing of labels.
+    """
+    forbidden = np.zeros((len(part.nodes), len(template.label_vertices)), dtype=bool)
+    if len(part.pin_vertices) == 0:
+        return forbidden
+    places = cKDTree(template.unit.vertices).query(part.pin_positions)[1]
+    reach = template.geodesics.distances_from(places)[:, template.label_vertices]
+    for vertex, row in zip(part.pin_vertices, reach, strict=True):
+        node = int(np.flatnonzero(part.nodes == vertex)[0])
+        limit = PIN_SLACK + PIN_STRETCH * part.between[node]
+        forbidden |= row[None, :] > limit[:, None]
+    forbidden[forbidden.all(axis=1)] = False  # pins that contradict each other rule nothing out
+    return forbidden

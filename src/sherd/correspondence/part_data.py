@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +14,7 @@ from sherd.spectral.geodesics import Geodesics
 from sherd.spectral.sampling import farthest_point_sample
 from sherd.template import AXIS_WIDTH, NEAR, RADII, canonical
 
-__all__ = ["NODE_COUNT", "PartData", "part_data", "part_spectra"]
+__all__ = ["NODE_COUNT", "PartData", "mirrored", "part_data", "part_spectra", "rescaled"]
 
 Floats = NDArray[np.float64]
 Singles = NDArray[np.float32]
@@ -25,6 +25,8 @@ Ints = NDArray[np.int64]
 NODE_COUNT = 200
 # A neighborhood reaching far over the cut still says something about the near side.
 LEAST_TRUST = 0.15
+# Any direction will do for tangent axes.
+REFERENCE = np.array([1.0, 0.3, 0.2])
 # Stands for "no cut at all": longer than any geodesic that matters.
 NO_CUT = 9.0
 
@@ -51,6 +53,10 @@ class PartData:
         (k, 3) first tangent axis of each node.
     directions
         (k, k) angle of the geodesic from node to node.
+    reference
+        (3,) direction that tangent axes are made from.
+    pin_vertices, pin_positions
+        (p,) vertices and (p, 3) places in the template's frame where the user wants them.
     """
 
     mesh: TriangleMesh
@@ -61,13 +67,27 @@ class PartData:
     between: Floats
     x_axes: Floats
     directions: Singles
+    reference: Floats
+    pin_vertices: Ints
+    pin_positions: Floats
 
 
-def part_data(part: TriangleMesh, length: float, *, extra_nodes: Ints | None = None) -> PartData:
-    """Sample the part; `length` is the part's length that equals the template's unit.
+def part_data(
+    part: TriangleMesh, length: float, *, pins: tuple[Ints, Floats] | None = None
+) -> PartData:
+    """Sample the part.
 
-    `extra_nodes` (e,) are vertices that must be nodes (landmarks); they are added to the others.
+    Parameters
+    ----------
+    part
+        The part.
+    length
+        The part's length that equals the template's unit.
+    pins
+        (p,) vertices and (p, 3) places in the template's frame (landmarks); these vertices become
+        nodes in addition to the others.
     """
+    pin_vertices, pin_positions = pins or (np.empty(0, dtype=np.int64), np.empty((0, 3)))
     mesh = canonical(part, length)
     geodesics = Geodesics(mesh)
     cut = geodesics.distances_to_set(mesh.boundary_vertices)
@@ -76,8 +96,8 @@ def part_data(part: TriangleMesh, length: float, *, extra_nodes: Ints | None = N
     start = int(used[cut[used].argmax()])
     count = min(NODE_COUNT, len(used))
     nodes, distances = farthest_point_sample(geodesics, count, start=start)
-    if extra_nodes is not None and len(extra_nodes):
-        added = np.setdiff1d(extra_nodes, nodes)
+    added = np.setdiff1d(pin_vertices, nodes)
+    if len(added):
         nodes = np.concatenate([nodes, added])
         distances = np.concatenate([distances, geodesics.distances_from(added)])
     # message passing sweeps outward from the first node, the one farthest from the cut
@@ -85,19 +105,47 @@ def part_data(part: TriangleMesh, length: float, *, extra_nodes: Ints | None = N
     nodes, distances = nodes[order], distances[order]
     between = distances[:, nodes]
     normals = smoothed_normals(mesh, AXIS_WIDTH)
-    x_axes = tangent_axes(normals[nodes], np.tile([1.0, 0.3, 0.2], (len(nodes), 1)))
+    x_axes = tangent_axes(normals[nodes], np.tile(REFERENCE, (len(nodes), 1)))
     directions = geodesic_directions(
         mesh, nodes, distances, x_axes=x_axes, z_axes=normals[nodes], near=NEAR
     )
     return PartData(
-        mesh,
-        cut,
-        normals,
-        nodes,
-        distances.astype(np.float32),
-        np.minimum(between, between.T),
-        x_axes,
-        directions,
+        mesh=mesh,
+        cut_distance=cut,
+        normals=normals,
+        nodes=nodes,
+        node_distances=distances.astype(np.float32),
+        between=np.minimum(between, between.T),
+        x_axes=x_axes,
+        directions=directions,
+        reference=REFERENCE,
+        pin_vertices=pin_vertices,
+        pin_positions=pin_positions,
+    )
+
+
+def mirrored(data: PartData) -> PartData:
+    """The part's mirror image: to place it is to look for the orientation-reversing twin."""
+    flip = np.array([-1.0, 1.0, 1.0])
+    mesh = TriangleMesh(data.mesh.vertices * flip, data.mesh.faces[:, ::-1], name=data.mesh.name)
+    return replace(
+        data,
+        mesh=mesh,
+        normals=data.normals * flip,
+        x_axes=data.x_axes * flip,
+        directions=-data.directions,
+        reference=data.reference * flip,
+    )
+
+
+def rescaled(data: PartData, factor: float) -> PartData:
+    """The part made larger by `factor`."""
+    return replace(
+        data,
+        mesh=data.mesh.with_vertices(data.mesh.vertices * factor),
+        cut_distance=np.minimum(data.cut_distance * factor, NO_CUT),
+        node_distances=data.node_distances * np.float32(factor),
+        between=data.between * factor,
     )
 
 
@@ -108,7 +156,7 @@ def part_spectra(data: PartData, vertices: Ints, *, cut_aware: bool) -> Singles:
     distance to the cut over its radius. Without it all radii count the same, as they should when
     the full shape is described inside the same region.
     """
-    x_axes = tangent_axes(data.normals[vertices], np.tile([1.0, 0.3, 0.2], (len(vertices), 1)))
+    x_axes = tangent_axes(data.normals[vertices], np.tile(data.reference, (len(vertices), 1)))
     spectra = rotation_spectra(
         data.mesh.vertices,
         data.normals,

@@ -42,6 +42,8 @@ SURFACE_LENGTH = 0.006
 SOFTNESS = 0.02
 # A target spread wider than a vertex spacing is a weak one.
 SPREAD = 0.012
+# A pin holds one vertex as firmly as the surface is held, against all its neighbors.
+PIN_LENGTH = 0.002
 # Skin stretches by some percent everywhere and by much more in the creases of joints.
 STRAIN = 0.1
 CG_TOLERANCE, CG_LIMIT = 1e-3, 200
@@ -99,7 +101,8 @@ def pulled_together(
         limit = PLACE_LIMIT * max(1.0, 3.0 - 0.5 * step)  # graduated: first nobody is wrong
         trust = areas / (1 + off / limit**2) ** 2
         data = trust[:, None, None] * np.eye(3)
-        placement = _relaxed(elastic, placement, data, targets)
+        pull = trust[:, None] * targets
+        placement = _relaxed(elastic, placement, *_pinned(part, data, pull))
     return placement
 
 
@@ -194,8 +197,7 @@ def laid_on(
             drawn /= (1 + off / 0.02**2) ** 2
             data[queries] += drawn[:, None, None] * np.eye(3)
             pull[queries] += drawn[:, None] * targets
-            goal = np.linalg.solve(data, pull[:, :, None])[:, :, 0]
-            placement = _relaxed(elastic, placement, data, goal)
+            placement = _relaxed(elastic, placement, *_pinned(part, data, pull))
     return placement
 
 
@@ -203,6 +205,15 @@ def on_surface(finder: SurfaceFinder, part: PartData, placement: Placement) -> S
     """The point of the full shape under each vertex of the placed part."""
     normals = vertex_normals(placement.positions, part.mesh.faces)
     return finder.closest(placement.positions, normals)
+
+
+def _pinned(part: PartData, data: Floats, pull: Floats) -> tuple[Floats, Floats]:
+    """Add the user's pins to the data matrices (n', 3, 3) and their products with the targets."""
+    if len(part.pin_vertices):
+        weight = part.mesh.area / part.mesh.vertex_count / PIN_LENGTH**2
+        data[part.pin_vertices] += weight * np.eye(3)
+        pull[part.pin_vertices] += weight * part.pin_positions
+    return data, pull
 
 
 def _fitted(elastic: _Elastic, placement: Placement) -> Placement:
@@ -214,7 +225,7 @@ def _fitted(elastic: _Elastic, placement: Placement) -> Placement:
     return replace(placement, rotations=rotations)
 
 
-def _relaxed(elastic: _Elastic, placement: Placement, data: Floats, targets: Floats) -> Placement:
+def _relaxed(elastic: _Elastic, placement: Placement, data: Floats, pull: Floats) -> Placement:
     """One alternation: positions for the rotations, then rotations for the positions."""
     strain = strains(
         elastic.pointers, elastic.neighbors, elastic.weights, elastic.rest,
@@ -223,7 +234,7 @@ def _relaxed(elastic: _Elastic, placement: Placement, data: Floats, targets: Flo
     weights = softened(elastic.pointers, elastic.neighbors, elastic.weights, strain / STRAIN)
     positions = relax_positions(
         elastic.pointers, elastic.neighbors, weights, elastic.rest,
-        placement.rotations, data, targets, placement.positions, CG_TOLERANCE, CG_LIMIT,
+        placement.rotations, data, pull, placement.positions, CG_TOLERANCE, CG_LIMIT,
     )  # fmt: skip
     return _fitted(elastic, Placement(positions, placement.rotations))
 

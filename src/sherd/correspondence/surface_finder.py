@@ -39,9 +39,6 @@ class SurfaceFinder:
         self._tree = cKDTree(
             np.concatenate([self._corners.mean(axis=1), NORMAL_SCALE * mesh.face_normals], axis=1)
         )
-        self._vertex_tree = cKDTree(
-            np.concatenate([mesh.vertices, NORMAL_SCALE * mesh.vertex_normals], axis=1)
-        )
         self._count = min(NEAR_FACES, mesh.face_count)
 
     def closest(self, positions: Floats, normals: Floats) -> SurfacePoints:
@@ -52,12 +49,6 @@ class SurfaceFinder:
         weights = np.empty((len(positions), 3))
         _closest(np.ascontiguousarray(positions), near, self._corners, faces, weights)
         return SurfacePoints(faces, weights)
-
-    def nearest_vertices(self, positions: Floats, normals: Floats) -> Ints:
-        """The nearest vertex to each position (p, 3) whose surface has normal (p, 3)."""
-        query = np.concatenate([positions, NORMAL_SCALE * normals], axis=1)
-        nearest: Ints = self._vertex_tree.query(query)[1]
-        return nearest
 
 
 def covered_vertices(
@@ -80,7 +71,7 @@ def covered_vertices(
         grid = _subtriangle_centers(int(division))
         samples = np.einsum("gk,fkc->fgc", grid, corners[rows]).reshape(-1, 3)
         up = np.repeat(normals[rows], len(grid), axis=0)
-        nearest = finder.nearest_vertices(samples, up)
+        nearest = finder.closest(samples, up).nearest_vertices(full)
         share = np.repeat(areas[rows] / len(grid), len(grid))
         covered += np.bincount(nearest, share, minlength=len(covered))
     return (covered >= 0.5 * full.vertex_areas) & (full.vertex_areas > 0)

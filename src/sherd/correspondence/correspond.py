@@ -1,0 +1,78 @@
+"""The stages of dense correspondence, each a function on frozen objects.
+
+:mod:`sherd.match` calls them in order and reads as the summary of the method.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sherd.correspondence.anchors import find_anchors
+from sherd.correspondence.hypothesis import Hypothesis, Queries, mirrored_queries, settled
+from sherd.correspondence.labeling import SIMILARITY_STEP, Labeling, make_problem
+from sherd.correspondence.part_data import PartData, mirrored, part_spectra
+from sherd.descriptors.rotation_shot import pooled_similarity
+from sherd.template import Template
+
+__all__ = ["Twin", "anchored", "looked_again", "mirrored_twin"]
+
+Singles = NDArray[np.float32]
+
+# Once the region is known, neighborhoods agree better, and lack of similarity says more.
+SECOND_STEP = 0.5 * SIMILARITY_STEP
+
+
+@dataclass(frozen=True, eq=False)
+class Twin:
+    """The best orientation-reversing placement, and the part's mirror image that it places."""
+
+    part: PartData
+    hypothesis: Hypothesis
+
+
+def anchored(
+    template: Template,
+    part: PartData,
+    rng: np.random.Generator,
+    *,
+    inside: Singles | None = None,
+) -> Labeling:
+    """Label the part's nodes, jointly, by similarity and consistency.
+
+    With `inside`, spectra of the full shape seen within a region, the part's neighborhoods are
+    taken to be complete; without, they count less near the cut.
+    """
+    spectra = part_spectra(part, part.nodes, cut_aware=inside is None)
+    similarity = pooled_similarity(
+        template.spectra if inside is None else inside,
+        spectra,
+        template.cells,
+        len(template.label_vertices),
+    )
+    problem = make_problem(template, part, similarity, rng)
+    if inside is None:
+        return find_anchors(problem)
+    return find_anchors(problem, step=SECOND_STEP, rounds=2)
+
+
+def looked_again(
+    template: Template,
+    part: PartData,
+    first: Hypothesis,
+    queries: Queries,
+    rng: np.random.Generator,
+) -> Hypothesis:
+    """A second placement, from anchors that see the full shape inside the first one's region."""
+    labeling = anchored(template, part, rng, inside=first.inside_spectra)
+    return settled(template, part, labeling, queries)
+
+
+def mirrored_twin(
+    template: Template, part: PartData, queries: Queries, rng: np.random.Generator
+) -> Twin:
+    """The best placement of the part's mirror image, as the left leg for the right."""
+    image = mirrored(part)
+    return Twin(image, settled(template, image, anchored(template, image, rng), mirrored_queries(queries)))
