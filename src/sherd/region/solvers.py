@@ -2,7 +2,7 @@
 
 All three take a :class:`BoundedQuadratic` and return a :class:`QuadraticSolution` whose residuals
 are computed alike, so they can be compared on the same problem. The witnesses of the optional
-extra (PIQP, Clarabel) are in :mod:`sherd.region.witness`.
+extra (PIQP, Clarabel) are in :mod:`sherd.benchmark.paper_witness`.
 """
 
 from __future__ import annotations

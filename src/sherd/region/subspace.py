@@ -21,7 +21,13 @@ from sherd.region.solvers import solver_named
 from sherd.region.status import Status
 from sherd.spectral.basis import EigenBasis
 
-__all__ = ["SubspaceRegion", "membership_quadratic", "phase_field_quadratic", "subspace_region"]
+__all__ = [
+    "SubspaceRegion",
+    "basis_rows",
+    "membership_quadratic",
+    "phase_field_quadratic",
+    "subspace_region",
+]
 
 Floats = NDArray[np.float64]
 
@@ -106,7 +112,7 @@ def subspace_region(
         raise OptionError(f"iterations is {iterations}, but at least 1 is needed")
     if not tolerance >= 0:
         raise OptionError(f"tolerance is {tolerance}, but a number >= 0 is needed")
-    rows = _rows(problem, basis)
+    rows = basis_rows(problem, basis)
     data = rows.T @ problem.weighted_descriptors
     rho = np.ones(problem.vertex_count)
     history: list[float] = []
@@ -180,12 +186,18 @@ def phase_field_quadratic(problem: RegionProblem, rows: Floats, u: Floats) -> Bo
     )
 
 
-def _rows(problem: RegionProblem, basis: EigenBasis) -> Floats:
+def basis_rows(problem: RegionProblem, basis: EigenBasis) -> Floats:
+    """Eigenvectors times sqrt(area), (n, k): mean square 1, so values and coefficients compare.
+
+    Raises
+    ------
+    InputError
+        If the basis belongs to another mesh.
+    """
     if len(basis.eigenvectors) != problem.vertex_count:
         raise InputError(
             f"the basis has {len(basis.eigenvectors)} vertices, the problem {problem.vertex_count}"
         )
-    # times sqrt(area): mean square 1, so coefficients and values are of one size
     rows: Floats = np.ascontiguousarray(basis.eigenvectors * math.sqrt(problem.area))
     return rows
 
