@@ -149,6 +149,11 @@ def test_words_and_tables_stand_in_the_page_itself(document):
         assert words in document
 
 
+def test_script_is_ascii_so_that_its_hash_holds_in_any_frame(document):
+    script = re.findall(r"<script>(.*?)</script>", document, re.DOTALL)[-1]
+    assert script.isascii()
+
+
 def test_notebook_frame_holds_the_whole_page(exhibit, document):
     shown = show(exhibit)
     frame = re.fullmatch(

@@ -37,6 +37,13 @@ def test_trimesh_reads_colors_and_properties_of_the_ply(exhibit):
     np.testing.assert_array_equal(stored["mask"].ravel(), inside)
 
 
+def test_meshlab_finds_the_painted_scalar_as_quality(exhibit):
+    data = painted_ply(exhibit.full, exhibit.full_layers)
+    mesh = trimesh.load(io.BytesIO(data), file_type="ply", process=False)
+    stored = mesh.metadata["_ply_raw"]["vertex"]["data"]
+    np.testing.assert_array_equal(stored["quality"].ravel(), exhibit.full_layers[0].values)
+
+
 def test_vtp_holds_every_array(exhibit):
     layers = (
         *exhibit.full_layers,

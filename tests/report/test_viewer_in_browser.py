@@ -73,7 +73,7 @@ def opened(browser):
         tab.goto(path.as_uri())
         tab.evaluate("window.sherd.ready")
         tab.wait_for_function(
-            "!window.sherd.page || window.sherd.page.stage.views.part.geometry.boundsTree"
+            "() => !window.sherd.page || window.sherd.page.stage.views.part.geometry.boundsTree"
         )
         return tab
 
@@ -365,6 +365,6 @@ def test_notebook_frame_runs(browser, exhibit, tmp_path):
     tab = browser.new_page()
     tab.goto((tmp_path / "cell.html").as_uri())
     inner = tab.frames[1]
-    inner.evaluate("window.sherd.ready")
+    inner.locator("#layers .choice").first.wait_for()
     assert inner.evaluate("document.documentElement.dataset.view") == "live"
     tab.close()

@@ -254,7 +254,7 @@ class Page {
     this.state.hover = null;
     this.refreshPoint();
     this.refreshLegend();
-    this.stage.request();
+    this.redrawOverlay();
   }
 
   setHover(chosen) {
@@ -359,7 +359,7 @@ async function main() {
   } catch (error) {
     // no WebGL, or a browser without DecompressionStream: the picture stays
     document.documentElement.dataset.view = "still";
-    document.getElementById("still-reason").textContent = String(error?.message ?? error);
+    document.getElementById("still-reason").textContent = /webgl/i.test(error?.message) ? "WebGL is missing or switched off" : String(error?.message ?? error);
     window.sherd.error = error;
     return null;
   }

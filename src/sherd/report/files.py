@@ -70,7 +70,8 @@ def painted_ply(
 ) -> bytes:
     """PLY with vertex colors and every layer as a vertex property.
 
-    MeshLab and Blender show the colors; the properties come back from any PLY reader.
+    MeshLab and Blender show the colors; the painted scalar is also stored as `quality`, by which
+    MeshLab maps colors and selects. Any PLY reader finds the other properties.
 
     Parameters
     ----------
@@ -89,7 +90,10 @@ def painted_ply(
     layers = list(layers)
     chosen = painted or (layers[0] if layers else None)
     colors = layer_colors(chosen, mesh.vertex_count)
-    return encoded(mesh, ".ply", fields=layer_values(layers), colors=colors)
+    values = layer_values(layers)
+    if chosen is not None and chosen.kind == "scalar":
+        values.setdefault("quality", chosen.values)
+    return encoded(mesh, ".ply", fields=values, colors=colors)
 
 
 def table_csv(columns: Mapping[str, ArrayLike]) -> str:

@@ -24,9 +24,8 @@ from sherd.report.thinning import LARGEST_SHOWN, thinned
 
 __all__ = ["page", "write_page"]
 
-# The picture serves print and browsers without WebGL; 256 colors are enough for both.
+# The picture serves print (eight inches at 175 dots) and browsers without WebGL.
 PICTURE_WIDTH = 1400
-PICTURE_COLORS = 256
 
 
 def page(exhibit: Exhibit, *, largest: int = LARGEST_SHOWN) -> str:
@@ -53,9 +52,7 @@ def page(exhibit: Exhibit, *, largest: int = LARGEST_SHOWN) -> str:
     light = thinned(exhibit, largest=largest)
     staging = stage(light.exhibit)
     meta, data = payload(light, staging)
-    still = png_bytes(
-        picture(light.exhibit, width=PICTURE_WIDTH, staging=staging), colors=PICTURE_COLORS
-    )
+    image = picture(light.exhibit, width=PICTURE_WIDTH, heading=False, staging=staging)
     script = _asset("viewer.js")
     digest = base64.b64encode(hashlib.sha256(script.encode("utf-8")).digest()).decode("ascii")
     parts = {
@@ -63,7 +60,7 @@ def page(exhibit: Exhibit, *, largest: int = LARGEST_SHOWN) -> str:
         "headline": html.escape(exhibit.summary[0] if exhibit.summary else ""),
         "full_caption": html.escape(_caption(exhibit.full)),
         "part_caption": html.escape(_caption(exhibit.part)),
-        "picture": base64.b64encode(still).decode("ascii"),
+        "picture": base64.b64encode(png_bytes(image)).decode("ascii"),
         "picture_words": html.escape(" ".join((exhibit.title, *exhibit.summary))),
         "summary": _summary(exhibit.summary),
         "notice": _card("Decimated view", light.notice, kind="notice wide") if light.notice else "",

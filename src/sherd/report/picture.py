@@ -67,6 +67,7 @@ def picture(
     layer: str | None = None,
     width: int = 1600,
     transparent: bool = False,
+    heading: bool = True,
     staging: Staging | None = None,
 ) -> Image.Image:
     """Full shape and part side by side with title, captions and color bar, RGBA.
@@ -79,6 +80,8 @@ def picture(
         In pixels; the height is about half of it.
     transparent
         No background instead of white.
+    heading
+        Whether the title stands above.
     staging
         A camera chosen before, for pictures that shall look alike.
 
@@ -98,14 +101,16 @@ def picture(
     unit = width / 1600
     size = (width // len(panels), round(0.40 * width))
     scale, part_scale = _scales(panels, size)
-    scales = [part_scale if panel.role == "part" else scale for panel in panels]
+    scales = [part_scale if panel.role == "Part" else scale for panel in panels]
     tallest = max(panel.extent[1] * pixels for panel, pixels in zip(panels, scales, strict=True))
     size = (size[0], min(size[1], round(tallest * (1 + 2 * MARGIN))))
-    top, bottom = round(100 * unit), round(176 * unit)
+    top, bottom = round((100 if heading else 30) * unit), round(176 * unit)
     background = (255, 255, 255, 0 if transparent else 255)
     image = Image.new("RGBA", (width, top + size[1] + bottom), background)
     draw = ImageDraw.Draw(image)
-    draw.text((round(40 * unit), round(30 * unit)), exhibit.title, fill=INK, font=_font(34 * unit))
+    if heading:
+        place = (round(40 * unit), round(30 * unit))
+        draw.text(place, exhibit.title, fill=INK, font=_font(34 * unit))
     for index, (panel, pixels) in enumerate(zip(panels, scales, strict=True)):
         image.alpha_composite(_rendered(panel, size, pixels), (index * size[0], top))
         middle = (index * size[0] + size[0] // 2, top + size[1] + round(24 * unit))
@@ -131,13 +136,11 @@ def write_picture(
     write_bytes(path, png_bytes(picture(exhibit, layer=layer)))
 
 
-def png_bytes(image: Image.Image, *, colors: int | None = None) -> bytes:
-    """Image as PNG; with `colors`, in a palette of so many, about a third of the size."""
+def png_bytes(image: Image.Image) -> bytes:
+    """Image as PNG, without alpha where everything is opaque."""
     stream = io.BytesIO()
-    if colors is not None:
-        white = Image.new("RGBA", image.size, (255, 255, 255, 255))
-        white.alpha_composite(image)
-        image = white.convert("RGB").quantize(colors, dither=Image.Dither.FLOYDSTEINBERG)
+    if image.getchannel("A").getextrema() == (255, 255):
+        image = image.convert("RGB")
     image.save(stream, "PNG", optimize=True)
     return stream.getvalue()
 
@@ -158,11 +161,11 @@ class _Panel:
 
 def _panels(exhibit: Exhibit, layer: str | None, staging: Staging) -> list[_Panel]:
     full, part = _layers_named(exhibit, layer)
-    panels = [_Panel(exhibit.full, full, staging.view.rotation, "full shape")]
+    panels = [_Panel(exhibit.full, full, staging.view.rotation, "Full shape")]
     if staging.view.visible_share < LEAST_VISIBLE_SHARE:
-        panels.append(_Panel(exhibit.full, full, staging.view.opposite.rotation, "from behind"))
+        panels.append(_Panel(exhibit.full, full, staging.view.opposite.rotation, "From behind"))
     rotation = staging.view.rotation @ staging.part_rotation
-    return [*panels, _Panel(exhibit.part, part, rotation, "part")]
+    return [*panels, _Panel(exhibit.part, part, rotation, "Part")]
 
 
 def _layers_named(exhibit: Exhibit, name: str | None) -> tuple[Layer | None, Layer | None]:
@@ -221,7 +224,7 @@ def _write_caption(
     room: int,
 ) -> None:
     draw.text(middle, panel.role, fill=INK, font=_font(24 * unit), anchor="mm")
-    if panel.role == "from behind":
+    if panel.role == "From behind":
         return
     words = f", {panel.mesh.vertex_count:,} vertices"
     if not 1 / 1.05 < magnification < 1.05:
