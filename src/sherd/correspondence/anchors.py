@@ -36,7 +36,9 @@ CORE_REACH = 0.2
 GROWN_ENOUGH = 0.97
 
 
-def find_anchors(problem: Problem, *, step: float = SIMILARITY_STEP, rounds: int = ROUNDS) -> Labeling:
+def find_anchors(
+    problem: Problem, *, step: float = SIMILARITY_STEP, rounds: int = ROUNDS
+) -> Labeling:
     """Label the nodes: candidates by similarity, then proposals from neighbors, then growth.
 
     `step` is the lack of similarity that costs one unit.
@@ -106,7 +108,9 @@ def _misfit(problem: Problem, node: int, guides: Ints, state: tuple[Ints, Floats
     labels, rotations = state
     template = problem.template
     length = problem.part.between[node, guides][:, None]
-    off = (template.label_to_label[labels[guides]] - length) / (LENGTH_SIGMA + STRETCH_SIGMA * length)
+    off = (template.label_to_label[labels[guides]] - length) / (
+        LENGTH_SIGMA + STRETCH_SIGMA * length
+    )
     angle = (problem.part.directions[guides, node] - rotations[guides])[:, None]
     turn = 2 * (1 - np.cos(angle - template.label_directions[labels[guides]])) / ANGLE_SIGMA**2
     cost = off**2 / (1 + off**2 / LIMIT) + 0.5 * turn / (1 + turn / LIMIT)
@@ -157,7 +161,11 @@ def _core(problem: Problem, labels: Ints, rotations: Floats) -> NDArray[np.bool_
     """Nodes of the largest component of mutually consistent nodes."""
     template, between = problem.template, problem.part.between
     distance = template.label_to_label[np.ix_(labels, labels)]
-    turn = problem.part.directions - template.label_directions[np.ix_(labels, labels)] - rotations[:, None]
+    turn = (
+        problem.part.directions
+        - template.label_directions[np.ix_(labels, labels)]
+        - rotations[:, None]
+    )
     agreement = np.cos(turn)
     near = (between < CORE_REACH) & (between > 0)
     agree = near & (np.abs(distance - between) < 0.03 + 0.15 * between)

@@ -75,4 +75,6 @@ def mirrored_twin(
 ) -> Twin:
     """The best placement of the part's mirror image, as the left leg for the right."""
     image = mirrored(part)
-    return Twin(image, settled(template, image, anchored(template, image, rng), mirrored_queries(queries)))
+    labeling = anchored(template, image, rng)
+    found = settled(template, image, labeling, mirrored_queries(queries), thorough=False)
+    return Twin(image, found)

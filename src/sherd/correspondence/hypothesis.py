@@ -34,6 +34,8 @@ QUERY_COUNT = 3000
 # The first look must survive slides of a node spacing; each later one is nearer.
 FIRST_REACHES = (0.05, 0.04)
 SECOND_REACHES = (0.04, 0.03)
+# A vertex spacing: the similarity of an answer is that of the vertices around it.
+ANSWER_REACH = 0.012
 # Before the region is known, neighborhoods over the cut are not trusted.
 CUT_LENGTH, CUT_LEAST = 0.05, 0.1
 
@@ -98,33 +100,40 @@ def mirrored_queries(queries: Queries) -> Queries:
 
 
 def settled(
-    template: Template, part: PartData, labeling: Labeling, queries: Queries
+    template: Template,
+    part: PartData,
+    labeling: Labeling,
+    queries: Queries,
+    *,
+    thorough: bool = True,
 ) -> Hypothesis:
-    """Carry a labeling through to points: trilaterate, lay on, find the region, look again."""
-    vertices, view, plain = queries.vertices, queries.cut_aware, queries.plain
+    """Carry a labeling through to points: trilaterate, lay on, find the region, look again.
+
+    Not `thorough`, the second look inside the region is left out.
+    """
     finder = SurfaceFinder(template.unit)
+    vertices = queries.vertices
     placement = pulled_together(template, part, trilaterated(template, part, labeling))
     trust = np.clip(part.cut_distance[vertices] / CUT_LENGTH, CUT_LEAST, 1.0)
     placement = laid_on(
-        template, part, placement, finder=finder, queries=vertices, spectra=(template.spectra, view),
-        reaches=FIRST_REACHES, trust=trust,
+        template, part, placement, finder=finder, queries=vertices,
+        spectra=(template.spectra, queries.cut_aware), reaches=FIRST_REACHES, trust=trust,
     )  # fmt: skip
     mask = covered_vertices(finder, template.unit, placement.positions, part.mesh.faces)
     inside = template.spectra_within(mask)
-    placement = laid_on(
-        template, part, placement, finder=finder, queries=vertices, spectra=(inside, plain),
-        reaches=SECOND_REACHES,
-    )  # fmt: skip
-    points = on_surface(finder, part, placement)
-    mask = covered_vertices(finder, template.unit, placement.positions, part.mesh.faces)
+    if thorough:
+        placement = laid_on(
+            template, part, placement, finder=finder, queries=vertices,
+            spectra=(inside, queries.plain), reaches=SECOND_REACHES,
+        )  # fmt: skip
+        mask = covered_vertices(finder, template.unit, placement.positions, part.mesh.faces)
     _, _, similarity = similar_places(
-        template, placement, vertices, (inside, plain), reach=0.012
+        template, placement, vertices, (inside, queries.plain), reach=ANSWER_REACH
     )
     strain = elastic_strain(part, placement)
     areas = part.mesh.vertex_areas
     score = np.average(similarity, weights=areas[vertices]) - np.average(
         np.minimum(strain, 1.0), weights=areas
     )
-    return Hypothesis(
-        labeling, placement, points, mask, inside, similarity, strain, float(score)
-    )
+    points = on_surface(finder, part, placement)
+    return Hypothesis(labeling, placement, points, mask, inside, similarity, strain, float(score))

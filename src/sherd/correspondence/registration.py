@@ -23,7 +23,14 @@ from sherd.mesh.surface_points import SurfacePoints
 from sherd.spectral.operators import stiffness
 from sherd.template import Template
 
-__all__ = ["Placement", "elastic_strain", "laid_on", "on_surface", "pulled_together", "similar_places"]
+__all__ = [
+    "Placement",
+    "elastic_strain",
+    "laid_on",
+    "on_surface",
+    "pulled_together",
+    "similar_places",
+]
 
 Floats = NDArray[np.float64]
 Singles = NDArray[np.float32]
@@ -178,9 +185,7 @@ def laid_on(
     areas = np.maximum(part.mesh.vertex_areas, 1e-9)
     density = count / len(queries)
     for reach in reaches:
-        targets, confidence, _ = similar_places(
-            template, placement, queries, spectra, reach=reach
-        )
+        targets, confidence, _ = similar_places(template, placement, queries, spectra, reach=reach)
         if trust is not None:
             confidence = confidence * trust
         for _ in range(slides):
