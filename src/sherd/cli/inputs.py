@@ -13,7 +13,7 @@ from sherd.mesh.files import read_mesh_with_notices
 from sherd.mesh.repair import RepairReport, repair
 from sherd.mesh.triangle_mesh import TriangleMesh
 
-__all__ = ["PreparedMesh", "command_line", "prepared_mesh"]
+__all__ = ["PreparedMesh", "command_line", "prepared_mesh", "show_notices"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,13 +27,19 @@ class PreparedMesh:
 
 
 def prepared_mesh(path: Path) -> PreparedMesh:
-    """Read and repair a mesh; says on standard error what was adapted."""
+    """Read and repair a mesh; :func:`show_notices` says what was adapted."""
     original, notices = read_mesh_with_notices(path)
     repaired, report = repair(original)
     said = (*notices, *(f"repaired for this run: {text}" for text in report.notices))
-    for text in said:
-        click.echo(f"{click.style('note:', fg='yellow')} {path.name}: {text}", err=True)
     return PreparedMesh(original, repaired, report, said)
+
+
+def show_notices(*meshes: PreparedMesh) -> None:
+    """Say on standard error what was adapted; called once there is a result it applies to."""
+    for mesh in meshes:
+        for text in mesh.notices:
+            note = click.style("note:", fg="yellow")
+            click.echo(f"{note} {mesh.original.name}: {text}", err=True)
 
 
 def command_line() -> str:

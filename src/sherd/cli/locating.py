@@ -11,7 +11,7 @@ import click
 import numpy as np
 
 from sherd.cli.exits import NOT_CONVERGED
-from sherd.cli.inputs import PreparedMesh, command_line, prepared_mesh
+from sherd.cli.inputs import PreparedMesh, command_line, prepared_mesh, show_notices
 from sherd.output import Stages
 from sherd.region.locate import locate
 from sherd.region.options import DESCRIPTORS, METHODS, SOLVERS, LocateOptions
@@ -88,6 +88,7 @@ def locate_and_write(
 ) -> tuple[Region, dict[str, Any]]:
     """Locate on the repaired meshes and write the answer in the numbering of the files."""
     found = locate(full.repaired, part.repaired, options, stages=stages)
+    show_notices(full, part)
     region = _as_read(found, full, part)
     with stages("files"):
         notices = {"full": full.notices, "part": part.notices}
