@@ -121,9 +121,7 @@ def draw_curves(
         axis.plot(x, y, label=name, markersize=4, linewidth=1.4, **style)
     for name, place in (marks or {}).items():
         axis.axvline(place, color="#777777", linestyle="--", linewidth=1)
-        axis.annotate(
-            name, (place, 0.97), xycoords=("data", "axes fraction"), fontsize=9, va="top"
-        )
+        axis.annotate(name, (place, 0.97), xycoords=("data", "axes fraction"), fontsize=9, va="top")
     axis.set_xlabel(labels[0])
     axis.set_ylabel(labels[1])
     axis.set_xscale("log" if logarithmic[0] else "linear")

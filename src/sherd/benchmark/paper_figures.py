@@ -103,7 +103,9 @@ def boundary_figure(scene: Scene, out: Path) -> dict[str, Any]:
         roots = case.surface.cut_distance / np.sqrt(time_)
         bins = np.digitize(roots, edges) - 1
         filled = [b for b in range(len(edges) - 1) if areas[bins == b].sum() > 0]
-        mean = [float(np.average(error[bins == b, column], weights=areas[bins == b])) for b in filled]
+        mean = [
+            float(np.average(error[bins == b, column], weights=areas[bins == b])) for b in filled
+        ]
         series[f"t = {time_:g} area"] = ([float(edges[b]) + 0.125 for b in filled], mean)
         near = roots < 2
         rows.append(
@@ -198,7 +200,7 @@ def convergence_figure(scene: Scene, out: Path, *, more: int = 20) -> dict[str, 
 
 
 def body_parts_figure(scene: Scene, out: Path) -> dict[str, Any]:
-    """Figure 5: head, tail, leg; membership, phase field, threshold; all vertices above subspace."""
+    """Figure 5: head, tail, leg; membership, phase field and threshold of both methods."""
     rows = []
     for case in extremity_cases(scene):
         problem = case_problem(scene, case)

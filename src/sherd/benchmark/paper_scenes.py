@@ -165,9 +165,7 @@ def random_cases(scene: Scene, count: int, *, rng: np.random.Generator) -> list[
     return found
 
 
-def ball_case(
-    scene: Scene, name: str, seed: int, share: float, *, twin: int | None = None
-) -> Case:
+def ball_case(scene: Scene, name: str, seed: int, share: float, *, twin: int | None = None) -> Case:
     """The geodesic ball with this share of the area around a vertex of the other pose.
 
     Raises

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -64,11 +65,11 @@ def solver_figures(scene: Scene, out: Path) -> dict[str, Any]:
         basis = scene.surface.basis.truncated(size)
         program = _program(problem, basis)
         for name, solve in SOLVERS.items():
-            seconds.setdefault(name, []).append(_best(lambda s=solve, p=program: s(p)))
+            seconds.setdefault(name, []).append(_best(partial(solve, program)))
         if witnesses:
-            seconds.setdefault("PIQP dense", []).append(_best(lambda p=program: piqp_dense(p), 2))
-            seconds.setdefault("Clarabel", []).append(_best(lambda p=program: clarabel_dense(p), 1))
-        descent = _best(lambda b=basis: logistic_regions(problem, b, start, options=once), 2)
+            seconds.setdefault("PIQP dense", []).append(_best(partial(piqp_dense, program), 2))
+            seconds.setdefault("Clarabel", []).append(_best(partial(clarabel_dense, program), 1))
+        descent = _best(partial(logistic_regions, problem, basis, start, options=once), 2)
         seconds.setdefault("sigmoid", []).append(descent)
         exact = SOLVERS["quadratic-program"](program)
         multipliers = augmented_lagrangian(program)
@@ -110,9 +111,9 @@ def floors(*, vertex_count: int = FLOOR_VERTICES) -> dict[str, Any]:
     problem = case_problem(scene, extremity_cases(scene)[2])
     program = _program(problem, scene.surface.basis.truncated(FLOOR_BASIS))
     whole = full_membership_quadratic(problem, np.ones(problem.vertex_count))
-    seconds = {name: _best(lambda s=solve: s(program)) for name, solve in SOLVERS.items()}
-    seconds["all vertices, active sets"] = _best(lambda: solve_structured(whole), 2)
-    seconds["all vertices, interior point"] = _best(lambda: interior_point(whole), 2)
+    seconds = {name: _best(partial(solve, program)) for name, solve in SOLVERS.items()}
+    seconds["all vertices, active sets"] = _best(partial(solve_structured, whole), 2)
+    seconds["all vertices, interior point"] = _best(partial(interior_point, whole), 2)
     exact = SOLVERS["quadratic-program"](program)
     lagrangian = augmented_lagrangian(program)
     reference = solve_structured(whole)
@@ -124,9 +125,9 @@ def floors(*, vertex_count: int = FLOOR_VERTICES) -> dict[str, Any]:
     }
     if witnesses_installed():
         for name, run in (("PIQP dense", piqp_dense), ("Clarabel", clarabel_dense)):
-            seconds[name] = _best(lambda r=run: r(program), 2)
+            seconds[name] = _best(partial(run, program), 2)
             objectives[name] = program.value(run(program))
-        seconds["PIQP sparse, all vertices"] = _best(lambda: piqp_all_vertex(whole), 2)
+        seconds["PIQP sparse, all vertices"] = _best(partial(piqp_all_vertex, whole), 2)
         objectives["PIQP sparse, all vertices"] = whole.value(piqp_all_vertex(whole))
     fast = seconds["active-set"]
     own = min(seconds["all vertices, active sets"], seconds["all vertices, interior point"])
