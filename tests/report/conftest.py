@@ -64,7 +64,10 @@ def make_exhibit(subdivisions: int = 3, **changes: object) -> Exhibit:
             ),
         ),
         "summary": ("The part is half of the full shape.", "2 vertices have no partner."),
-        "facts": {"Time": {"solve": 0.25, "steps": {"first": 1, "second": float("nan")}}},
+        "facts": {
+            "Time": {"solve": 0.25, "steps": {"first": 1, "second": float("nan")}},
+            "Part": {"area": 19567.8},
+        },
         "command": "sherd match whole.ply piece.ply -o out/",
     }
     return Exhibit(**(given | changes))

@@ -145,7 +145,13 @@ def test_large_shapes_are_decimated_and_the_page_says_so(exhibit_of_size):
 
 def test_words_and_tables_stand_in_the_page_itself(document):
     said = ["The part is half of the full shape.", "2 vertices have no partner."]
-    for words in (*said, "sherd match whole.ply piece.ply -o out/", "steps, first", "unknown"):
+    for words in (
+        *said,
+        "sherd match whole.ply piece.ply -o out/",
+        "steps, first",
+        "unknown",
+        "19,568",
+    ):
         assert words in document
 
 

@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 from sherd.errors import OptionError, OutputError
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.report.alignment import rotation_to_full
-from sherd.report.camera import best_view, looks_inside_out, orbit_view, upward
+from sherd.report.camera import best_view, orbit_view, orientation, upward
 from sherd.report.color_bar import ticks
 from sherd.report.exhibit import Exhibit, Layer
 from sherd.report.picture import picture, png_bytes, stage, write_picture
@@ -38,6 +38,10 @@ def test_orientation_decides_what_is_inside():
     outside = shaded_image(points, np.array([[0, 1, 2]]), **shapes)[2, 2]
     inside = shaded_image(points, np.array([[0, 2, 1]]), **(shapes | {"normals": -normals}))[2, 2]
     assert outside[0] > 150
+    mixed = shaded_image(
+        points, np.array([[0, 2, 1]]), **(shapes | {"normals": -normals}), two_sided=True
+    )[2, 2]
+    np.testing.assert_array_equal(mixed, outside)
     assert int(outside[0]) - int(outside[1]) > 2 * (int(inside[0]) - int(inside[1]))
 
 
@@ -142,8 +146,11 @@ def test_part_is_turned_onto_its_place(exhibit):
 
 def test_inverted_mesh_is_noticed(exhibit):
     full = exhibit.full
-    assert not looks_inside_out(full)
-    assert looks_inside_out(TriangleMesh(full.vertices, full.faces[:, ::-1]))
+    assert orientation(full) == 1
+    assert orientation(TriangleMesh(full.vertices, full.faces[:, ::-1])) == -1
+    mixed = full.faces.copy()
+    mixed[:100] = mixed[:100, ::-1]
+    assert orientation(TriangleMesh(full.vertices, mixed)) == 0
 
 
 def test_ticks_are_round_and_inside():

@@ -43,8 +43,11 @@ const fragmentShader = `
     return mix(unknown, mix(neutral, color, above), smoothstep(0.5, 1.0, tint.a));
   }
   void main() {
-    bool inside = gl_FrontFacing != (orientation > 0.0);
-    vec3 n = normalize(bend) * orientation * (inside ? -1.0 : 1.0);
+    vec3 n = normalize(bend);
+    bool inside = orientation != 0.0 && gl_FrontFacing != (orientation > 0.0);
+    // orientation 0: the faces do not agree on what is outside, so no side is drawn as the inside
+    if (orientation == 0.0) n *= n.z < 0.0 ? -1.0 : 1.0;
+    else n *= orientation * (inside ? -1.0 : 1.0);
     n.z = max(n.z, 0.0);
     float key = max(0.0, 0.5 + 0.5 * dot(vec3(-0.42, 0.62, 0.66), n));
     float shade = (0.48 + 0.60 * key * key) * (0.82 + 0.18 * n.z);
@@ -84,7 +87,7 @@ class View {
     this.geometry.setIndex(new BufferAttribute(shape.faces.slice(), 1)); // the search tree reorders it
     const tone = (rgb) => new Vector3(...rgb).divideScalar(255);
     this.uniforms = {
-      orientation: { value: shape.insideOut ? -1 : 1 }, scalar: { value: false }, threshold: { value: -1 },
+      orientation: { value: shape.orientation }, scalar: { value: false }, threshold: { value: -1 },
       table: { value: null }, neutral: { value: tone(palette.neutral) }, unknown: { value: tone(palette.unknown) },
     };
     this.tables = Object.fromEntries(Object.entries(palette.tables).map(([name, rgb]) => [name, texture(rgb)]));

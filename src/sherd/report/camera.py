@@ -8,9 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import ConvexHull, QhullError, cKDTree
 
+from sherd.mesh.topology import half_edges
 from sherd.mesh.triangle_mesh import TriangleMesh
 
-__all__ = ["View", "best_view", "looks_inside_out", "orbit_view", "upward"]
+__all__ = ["View", "best_view", "orbit_view", "orientation", "upward"]
 
 Floats = NDArray[np.float64]
 
@@ -114,10 +115,17 @@ def best_view(mesh: TriangleMesh, region: NDArray[np.bool_], up: Floats) -> View
     return best
 
 
-def looks_inside_out(mesh: TriangleMesh) -> bool:
-    """Whether the faces run clockwise seen from outside, judged by the volume they enclose."""
+def orientation(mesh: TriangleMesh) -> int:
+    """Say which way faces run seen from outside: 1 counterclockwise, -1 clockwise, 0 mixed.
+
+    Judged by the volume they enclose, and by edges that two faces run along in one direction.
+    """
+    directed = half_edges(mesh.faces)
+    keys = directed[:, 0] * mesh.vertex_count + directed[:, 1]
+    if len(np.unique(keys)) < len(keys):
+        return 0
     corners = (mesh.vertices - mesh.vertices.mean(axis=0))[mesh.faces]
-    return bool(np.linalg.det(corners).sum() < 0)
+    return -1 if np.linalg.det(corners).sum() < 0 else 1
 
 
 def _seen_areas(

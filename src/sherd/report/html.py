@@ -65,7 +65,7 @@ def page(exhibit: Exhibit, *, largest: int = LARGEST_SHOWN) -> str:
         "summary": _summary(exhibit.summary),
         "notice": _card("Decimated view", light.notice, kind="notice wide") if light.notice else "",
         "command": _command(exhibit.command),
-        "facts": "".join(_table(name, rows) for name, rows in exhibit.facts.items()),
+        "facts": _facts(exhibit.facts),
         "version": importlib.metadata.version("sherd"),
         "style": _asset("viewer.css"),
         "script": script,
@@ -125,10 +125,18 @@ def _command(command: str) -> str:
     )
 
 
+def _facts(facts: Mapping[str, Any]) -> str:
+    if not facts:
+        return ""
+    tables = "".join(_table(name, rows) for name, rows in facts.items())
+    return f'<div class="facts wide">{tables}</div>'
+
+
 def _table(name: str, rows: Any) -> str:
     pairs = list(_flat(rows)) if isinstance(rows, Mapping) else [("", rows)]
     cells = "".join(
-        f"<tr><th scope='row'>{html.escape(key)}</th><td>{html.escape(_text(value))}</td></tr>"
+        f"<tr><th scope='row'>{html.escape(key.replace('_', ' '))}</th>"
+        f"<td{_kind(value)}>{html.escape(_text(value))}</td></tr>"
         for key, value in pairs
     )
     return f'<div class="card"><h2>{html.escape(str(name))}</h2><table>{cells}</table></div>'
@@ -145,15 +153,21 @@ def _flat(rows: Mapping[str, Any], prefix: str = "") -> list[tuple[str, Any]]:
     return flat
 
 
+def _kind(value: Any) -> str:
+    return ' class="number"' if isinstance(value, (int, float, np.number)) else ""
+
+
 def _text(value: Any) -> str:
-    if value is None:
-        return "unknown"
-    if isinstance(value, (bool, np.bool_)):
+    if isinstance(value, list | tuple | np.ndarray):
+        return ", ".join(_text(entry) for entry in value) or "none"
+    if isinstance(value, bool | np.bool_):
         return "yes" if value else "no"
-    if isinstance(value, (int, np.integer)):
-        return f"{value:,}"
-    if isinstance(value, (float, np.floating)):
-        return f"{value:.4g}" if np.isfinite(value) else "unknown"
-    if isinstance(value, (list, tuple, np.ndarray)):
-        return ", ".join(_text(entry) for entry in value)
-    return str(value)
+    if isinstance(value, int | float | np.number):
+        return _number(float(value), whole=isinstance(value, int | np.integer))
+    return "unknown" if value is None else str(value)
+
+
+def _number(value: float, *, whole: bool) -> str:
+    if not np.isfinite(value):
+        return "unknown"
+    return f"{value:,.0f}" if whole or 1e4 <= abs(value) < 1e9 else f"{value:.4g}"

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sherd.mesh.triangle_mesh import TriangleMesh
-from sherd.report.camera import looks_inside_out
+from sherd.report.camera import orientation
 from sherd.report.colors import (
     CATEGORY_COLORS,
     MASK_COLORS,
@@ -159,7 +159,7 @@ def _shape(
         "positions": columns,
         "faces": block.add(mesh.faces, 4),
         "numbers": None if numbers is None else block.add(numbers, 4),
-        "insideOut": looks_inside_out(mesh),
+        "orientation": orientation(mesh),
         "rotation": rotation.ravel().tolist(),
     }
 

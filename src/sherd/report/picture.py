@@ -14,7 +14,7 @@ from sherd.errors import OptionError
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.output import write_bytes
 from sherd.report.alignment import rotation_to_full
-from sherd.report.camera import View, best_view, looks_inside_out, upward
+from sherd.report.camera import View, best_view, orientation, upward
 from sherd.report.color_bar import draw_legend
 from sherd.report.colors import layer_colors, part_layer
 from sherd.report.exhibit import Exhibit, Layer
@@ -201,7 +201,8 @@ def _rendered(panel: _Panel, size: tuple[int, int], pixels: float) -> Image.Imag
     placed = mesh.vertices @ panel.rotation.T
     placed = (placed - (placed.min(axis=0) + placed.max(axis=0)) / 2) * pixels
     normals, faces = mesh.vertex_normals @ panel.rotation.T, mesh.faces
-    if looks_inside_out(mesh):
+    facing = orientation(mesh)
+    if facing < 0:
         normals, faces = -normals, np.ascontiguousarray(faces[:, ::-1])
     image = shaded_image(
         placed * [1.0, -1.0, -1.0] + [size[0] / 2, size[1] / 2, 0.0],
@@ -210,6 +211,7 @@ def _rendered(panel: _Panel, size: tuple[int, int], pixels: float) -> Image.Imag
         colors=layer_colors(panel.layer, mesh.vertex_count),
         width=size[0],
         height=size[1],
+        two_sided=facing == 0,
     )
     return Image.fromarray(image)
 

@@ -37,6 +37,7 @@ def shaded_image(
     width: int,
     height: int,
     samples: int = 3,
+    two_sided: bool = False,
 ) -> NDArray[np.uint8]:
     """Shaded picture, (height, width, 4) RGBA, transparent where there is no surface.
 
@@ -54,11 +55,13 @@ def shaded_image(
         Of the image in pixels.
     samples
         Each pixel is the mean of samples x samples rays.
+    two_sided
+        For faces that do not agree on what is outside: no side is drawn as the inside.
     """
     fine = points * np.array([samples, samples, 1.0])
     nearest = _nearest_faces(fine, faces, width * samples, height * samples)
     image: NDArray[np.uint8] = _shade(
-        nearest, fine, faces, normals, colors.astype(np.float64), samples
+        nearest, fine, faces, normals, colors.astype(np.float64), samples, two_sided
     )
     return image
 
@@ -93,7 +96,7 @@ def _nearest_faces(points, faces, width, height):  # type: ignore[no-untyped-def
 
 
 @numba.njit(cache=True)
-def _shade(nearest, points, faces, normals, colors, samples):  # type: ignore[no-untyped-def]
+def _shade(nearest, points, faces, normals, colors, samples, two_sided):  # type: ignore[no-untyped-def]
     height, width = nearest.shape[0] // samples, nearest.shape[1] // samples
     image = np.zeros((height, width, 4), dtype=np.uint8)
     for row in range(height):
@@ -105,7 +108,9 @@ def _shade(nearest, points, faces, normals, colors, samples):  # type: ignore[no
                     face = nearest[i, j]
                     if face < 0:
                         continue
-                    r, g, b = _ray(face, j + 0.5, i + 0.5, points, faces, normals, colors)
+                    r, g, b = _ray(
+                        face, j + 0.5, i + 0.5, points, faces, normals, colors, two_sided
+                    )
                     red, green, blue = red + r, green + g, blue + b
                     hits += 1
             if hits:
@@ -117,7 +122,7 @@ def _shade(nearest, points, faces, normals, colors, samples):  # type: ignore[no
 
 
 @numba.njit(cache=True)
-def _ray(face, x, y, points, faces, normals, colors):  # type: ignore[no-untyped-def]
+def _ray(face, x, y, points, faces, normals, colors, two_sided):  # type: ignore[no-untyped-def]
     """Color of one ray. The viewer's shader says the same in the same numbers.
 
     Light is wrapped around the form (half Lambert), so that no side is black and colors stay
@@ -135,6 +140,8 @@ def _ray(face, x, y, points, faces, normals, colors):  # type: ignore[no-untyped
     length = max(np.sqrt(nx * nx + ny * ny + nz * nz), 1e-12)
     inside = area > 0.0  # rows grow downward, so a counterclockwise face has negative area
     sign = -1.0 if inside else 1.0
+    if two_sided:
+        inside, sign = False, -1.0 if nz < 0.0 else 1.0
     nx, ny, nz = sign * nx / length, sign * ny / length, max(0.0, sign * nz / length)
     key = max(0.0, 0.5 + 0.5 * (-0.42 * nx + 0.62 * ny + 0.66 * nz))
     shade = 0.48 + 0.60 * key * key
