@@ -1,4 +1,4 @@
-"""match(full, part): where the part belongs, and which point of the full shape is each of its points."""
+"""match(full, part): where the part belongs, and which point is which."""
 
 from __future__ import annotations
 
@@ -209,7 +209,11 @@ class MatchResult:
 
 
 def match(
-    full: TriangleMesh | Template, part: TriangleMesh, options: MatchOptions | None = None
+    full: TriangleMesh | Template,
+    part: TriangleMesh,
+    options: MatchOptions | None = None,
+    *,
+    stages: Stages | None = None,
 ) -> MatchResult:
     """Find for every vertex of the part its point on the full shape.
 
@@ -221,6 +225,8 @@ def match(
         The part: deformed, incomplete, in any position and vertex order.
     options
         See :class:`MatchOptions`.
+    stages
+        Collects timings and shows progress; a silent one if None.
 
     Raises
     ------
@@ -242,7 +248,7 @@ def match(
     template = full if isinstance(full, Template) else Template(full)
     rng = np.random.default_rng(options.seed)
     kept, kept_vertices = _without_ignored(template, part, options)
-    stages = Stages(7)
+    stages = stages or Stages(visible=False)
     with stages("full shape"):
         template.prepare()
     with stages("part"):
@@ -264,7 +270,6 @@ def match(
         features = confidence_features(data, queries, best, other)
         answers = (best.points, matched_vertices(features), confidences(features))
         point_map = _for_all(part, kept_vertices, *answers)
-    stages.close()
     return MatchResult(
         full=template.full,
         part=part,
