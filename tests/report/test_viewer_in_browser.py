@@ -114,6 +114,8 @@ def test_opens_within_two_seconds_and_six_megabytes(opened, report):
     for _ in range(3):
         tab = opened(report)
         seconds.append(tab.evaluate("window.sherd.page.timings.sinceNavigation") / 1000)
+        if seconds[-1] < 2.0:  # another try only if the machine was busy
+            break
     _keep(tab, "first-view")
     assert min(seconds) < 2.0
     assert tab.evaluate("document.documentElement.dataset.view") == "live"
