@@ -7,11 +7,13 @@ from pathlib import Path
 import click
 import numpy as np
 
+from sherd.benchmark.metrics import GroundTruthDistances
+from sherd.benchmark.region import overlap
 from sherd.cli.inputs import prepared_mesh
-from sherd.cli.locating import STAGE_COUNT, locate_and_write, summary
+from sherd.cli.matching import STAGE_COUNT, match_and_write, match_summary
+from sherd.match import MatchOptions
 from sherd.mesh.files import write_mesh
 from sherd.output import Stages
-from sherd.region.options import LocateOptions
 from sherd.shapes.creature import creature, landmarks
 from sherd.shapes.fragment import Fragment, cut_by_ball, moved, remeshed, whole
 
@@ -25,7 +27,7 @@ VERTEX_COUNT = 10_000
     "-o", "--output", type=click.Path(path_type=Path), default=Path("sherd-demo"), show_default=True
 )
 def demo_command(output: Path) -> int:
-    """Locate a piece of a generated animal; needs no files.
+    """Match a piece of a generated animal with the whole; needs no files.
 
     The animal walks, its front half is cut off, meshed anew, turned at random and sought on the
     standing animal.
@@ -36,14 +38,17 @@ def demo_command(output: Path) -> int:
         full, part = output / "creature.ply", output / "fragment.ply"
         write_mesh(fragment.full, full)
         write_mesh(fragment.mesh, part)
-    region, _ = locate_and_write(
-        prepared_mesh(full), prepared_mesh(part), output, options=LocateOptions(), stages=stages
-    )
+    meshes = prepared_mesh(full), prepared_mesh(part)
+    result, document = match_and_write(*meshes, output, options=MatchOptions(), stages=stages)
     stages.close()
-    areas, truth = fragment.full.vertex_areas, fragment.region
-    overlap = areas[region.mask & truth].sum() / areas[region.mask | truth].sum()
-    click.echo(summary(region, output))
-    click.echo(f"The true place is known here: {100 * overlap:.1f} % overlap (IoU).")
+    click.echo(match_summary(result, document, output))
+    distances = GroundTruthDistances(fragment.full)
+    error = 100 * distances.between(fragment.truth, result.point_map.points).mean()
+    common = overlap(fragment.full, result.region.mask, fragment.region)
+    click.echo(
+        f"The truth is known here: mean error {error:.2f} % of sqrt(area), region overlap "
+        f"{100 * common:.0f} % (IoU)."
+    )
     return 0
 
 

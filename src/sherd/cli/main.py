@@ -14,7 +14,13 @@ __all__ = ["main"]
 
 # name: (module, function, first line of its help, repeated here so that help loads nothing)
 COMMANDS = {
+    "match": ("sherd.cli.matching", "match_command", "Find the partner of every point of a piece."),
     "locate": ("sherd.cli.locating", "locate_command", "Find where a piece belongs on the whole."),
+    "transfer": (
+        "sherd.cli.transferring",
+        "transfer_command",
+        "Carry labels, colors, landmarks and values over.",
+    ),
     "check": ("sherd.cli.checking", "check_command", "Say what is wrong with a mesh."),
     "demo": ("sherd.cli.demo", "demo_command", "See it work on a generated animal."),
     "bench": ("sherd.cli.benching", "bench_group", "Measure accuracy and speed."),
@@ -47,6 +53,7 @@ def main(**_: Any) -> None:
     \b
     Examples:
       sherd demo
+      sherd match template.ply scan.ply -o out/
       sherd locate template.ply scan.ply -o out/
       sherd check scan.obj
     """

@@ -10,14 +10,14 @@ from typing import Any
 
 import numpy as np
 
-from sherd.mesh.encode import encoded
-from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.output import ResultFolder
-from sherd.region.region import Region
 from sherd.region.region import Placement as RegionPlacement
-from sherd.report.colors import layer_colors
+from sherd.region.region import Region
 from sherd.report.exhibit import Exhibit, Layer, Placement
+from sherd.report.files import painted_ply, table_csv
+from sherd.report.folder import plain
 from sherd.report.html import page
+from sherd.report.mesh_facts import mesh_facts
 from sherd.report.picture import picture, png_bytes
 
 __all__ = ["region_csv", "region_exhibit", "region_result", "write_region_report"]
@@ -60,17 +60,21 @@ def write_region_report(
     exhibit = region_exhibit(region, command=command, notices=notices)
     with ResultFolder(folder) as output:
         output.add("region.csv", region_csv(region))
-        output.add("region.ply", _region_ply(region, exhibit))
+        output.add("region.ply", painted_ply(region.full, exhibit.full_layers))
         output.add("region.png", png_bytes(picture(exhibit)))
         output.add("report.html", page(exhibit))
-        return output.finish(region_result(region, command=command, notices=notices))
+        return output.finish(plain(region_result(region, command=command, notices=notices)))
 
 
 def region_csv(region: Region) -> str:
     """``full_vertex,membership,in_region``, one row per vertex of the full shape, from 0."""
-    rows = zip(region.membership.tolist(), region.mask.tolist(), strict=True)
-    lines = [f"{vertex},{u:.6f},{int(inside)}" for vertex, (u, inside) in enumerate(rows)]
-    return "\n".join(["full_vertex,membership,in_region", *lines]) + "\n"
+    return table_csv(
+        {
+            "full_vertex": np.arange(region.full.vertex_count),
+            "membership": region.membership,
+            "in_region": region.mask,
+        }
+    )
 
 
 def region_result(
@@ -85,8 +89,8 @@ def region_result(
         "format": "sherd region 1",
         "version": region.version,
         "command": command,
-        "full": _mesh_facts(region.full, said.get("full", ())),
-        "part": _mesh_facts(region.part, said.get("part", ())),
+        "full": mesh_facts(region.full, said.get("full", ())),
+        "part": mesh_facts(region.part, said.get("part", ())),
         "status": region.status.name.lower().replace("_", "-"),
         "advice": region.status.advice,
         "area_fraction": region.area_fraction,
@@ -132,6 +136,7 @@ def region_exhibit(
         full=region.full,
         part=region.part,
         full_layers=_layers(region),
+        part_layers=_part_layers(region),
         score=region.score,
         score_name="mean similarity of neighborhoods, 1 is best",
         alternatives=tuple(_placement(other) for other in region.alternatives),
@@ -164,6 +169,15 @@ def _layers(region: Region) -> tuple[Layer, ...]:
         if values.ndim == 1 and np.isfinite(values).any():
             layers.append(Layer(f"{name} (from the file)", values))
     return tuple(layers)
+
+
+def _part_layers(region: Region) -> tuple[Layer, ...]:
+    """All of the part belongs to its place, so it has the color of the place."""
+    everywhere = np.ones(region.part.vertex_count)
+    return (
+        Layer("membership", everywhere, range=(0.0, 1.0), color_map="ember"),
+        Layer("region", everywhere, "mask"),
+    )
 
 
 def _placement(other: RegionPlacement) -> Placement:
@@ -205,28 +219,8 @@ def _sentences(region: Region, notices: Mapping[str, tuple[str, ...]]) -> tuple[
     return tuple(said)
 
 
-def _mesh_facts(mesh: TriangleMesh, notices: tuple[str, ...]) -> dict[str, Any]:
-    return {
-        "name": mesh.name,
-        "vertices": mesh.vertex_count,
-        "faces": mesh.face_count,
-        "area": mesh.area,
-        "notices": list(notices),
-    }
-
-
 def _overlap(region: Region, other: RegionPlacement) -> float:
     areas = region.full.vertex_areas
     union = float(areas[region.mask | other.mask].sum())
     shared = float(areas[region.mask & other.mask].sum())
     return shared / union if union > 0 else math.nan
-
-
-def _region_ply(region: Region, exhibit: Exhibit) -> bytes:
-    colors = layer_colors(exhibit.full_layers[0], region.full.vertex_count)
-    fields = {
-        "membership": region.membership,
-        "in_region": region.mask.astype(np.float64),
-        "phase_field": region.phase_field,
-    }
-    return encoded(region.full, ".ply", fields=fields, colors=colors)

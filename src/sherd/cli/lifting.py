@@ -1,0 +1,101 @@
+"""Between the numbering of the user's files and that of the repaired meshes."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sherd.cli.inputs import PreparedMesh
+from sherd.correspondence.point_map import PointMap
+from sherd.errors import InputError
+from sherd.match import MatchResult
+from sherd.mesh.surface_points import SurfacePoints
+
+__all__ = ["as_read", "original_points", "repaired_vertices"]
+
+Ints = NDArray[np.int64]
+
+
+def repaired_vertices(prepared: PreparedMesh, vertices: Ints, *, what: str) -> Ints:
+    """The given vertices (p,) of the file in the numbering of the repaired mesh.
+
+    Raises
+    ------
+    InputError
+        If a vertex does not exist, or was left out because it belongs to no face with an area.
+    """
+    count, name = prepared.original.vertex_count, prepared.original.name
+    outside = (vertices < 0) | (vertices >= count)
+    if outside.any():
+        raise InputError(
+            f"{what}: names vertex {vertices[np.argmax(outside)]} of {name}, which has "
+            f"0..{count - 1}"
+        )
+    found = prepared.report.new_vertices[vertices]
+    if (found < 0).any():
+        raise InputError(
+            f"{what}: names vertex {vertices[np.argmax(found < 0)]} of {name}, which belongs to no "
+            "face with an area"
+        )
+    return found
+
+
+def original_points(prepared: PreparedMesh, points: SurfacePoints) -> SurfacePoints:
+    """Points on the repaired mesh as points on the mesh that was read: the same places.
+
+    Faces may have been dropped or turned and vertices doubled or welded; a face is recognized by
+    the old representatives of its corners.
+    """
+    if not prepared.report.changed:
+        return points
+    new, old = prepared.report.new_vertices, prepared.report.original_vertices
+    # welded vertices share one representative; doubled ones have the same old vertex
+    representative = np.where(new >= 0, old[np.maximum(new, 0)], np.arange(len(new)))
+    before = representative[prepared.original.faces]
+    after = representative[old[prepared.repaired.faces]]
+    face_of = {key: face for face, key in enumerate(map(tuple, np.sort(before, axis=1).tolist()))}
+    matching = np.array([face_of[key] for key in map(tuple, np.sort(after, axis=1).tolist())])
+    faces = matching[points.faces]
+    # the weight of a corner goes to the corner with the same representative
+    corners, wanted = after[points.faces], before[faces]
+    same = wanted[:, :, None] == corners[:, None, :]
+    return SurfacePoints(faces, np.einsum("pij,pj->pi", same, points.barycentric))
+
+
+def as_read(result: MatchResult, full: PreparedMesh, part: PreparedMesh) -> MatchResult:
+    """The result on the user's meshes; vertices of the part without a face are unmatched."""
+    if not (full.report.changed or part.report.changed):
+        return replace(result, full=full.original, part=part.original)
+    to_part, to_full = part.report.to_original, full.report.to_original
+    new = part.report.new_vertices
+    source = np.maximum(new, 0)
+    points = original_points(full, result.point_map.points)[source]
+    point_map = PointMap(
+        points.faces,
+        points.barycentric,
+        np.asarray(to_part(result.point_map.matched, fill=False), dtype=bool),
+        np.asarray(to_part(result.point_map.confidence, fill=0.0), dtype=np.float64),
+    )
+    region = replace(
+        result.region,
+        mask=np.asarray(to_full(result.region.mask, fill=False), dtype=bool),
+        membership=np.asarray(to_full(result.region.membership, fill=0.0), dtype=np.float64),
+    )
+    alternatives = tuple(
+        replace(
+            other,
+            points=original_points(full, other.points)[source],
+            mask=np.asarray(to_full(other.mask, fill=False), dtype=bool),
+        )
+        for other in result.alternatives
+    )
+    return replace(
+        result,
+        full=full.original,
+        part=part.original,
+        point_map=point_map,
+        region=region,
+        alternatives=alternatives,
+    )

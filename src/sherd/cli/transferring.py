@@ -1,0 +1,157 @@
+"""`sherd transfer`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+import numpy as np
+from numpy.typing import NDArray
+
+from sherd.cli.tables import columns_of, numbers_of
+from sherd.errors import InputError
+from sherd.mesh.files import read_mesh, write_mesh
+from sherd.mesh.surface_points import SurfacePoints
+from sherd.mesh.triangle_mesh import TriangleMesh
+from sherd.output import write_text
+from sherd.report.files import table_csv
+from sherd.report.stored_match import StoredMatch, read_match
+from sherd.transfer import (
+    field_to_full,
+    field_to_part,
+    labels_to_full,
+    labels_to_part,
+    landmarks_to_full,
+    landmarks_to_part,
+)
+
+__all__ = ["transfer_command"]
+
+FILE = click.Path(path_type=Path)
+
+
+@click.command("transfer")
+@click.argument("folder", type=FILE)
+@click.argument("values", type=FILE)
+@click.option("-o", "--output", type=FILE, required=True, help="CSV or PLY file to write.")
+@click.option(
+    "--to",
+    type=click.Choice(["part", "full"]),
+    default="part",
+    show_default=True,
+    help="Which shape gets the values; they come from the other.",
+)
+@click.option("--labels", is_flag=True, help="Values are labels: never interpolate.")
+def transfer_command(folder: Path, values: Path, output: Path, *, to: str, labels: bool) -> int:
+    r"""Carry VALUES from one shape to the other along the match in FOLDER.
+
+    VALUES is a mesh with vertex fields or colors (written as .ply), a CSV with a column `vertex`
+    and columns of numbers, a row per vertex, or a CSV with the columns `name,vertex` of
+    landmarks. What has no partner is nan, or -1 for labels.
+
+    \b
+    Examples:
+      sherd transfer out/ template-painted.ply -o scan-painted.ply
+      sherd transfer out/ muscles.csv -o scan-muscles.csv --labels
+      sherd transfer out/ landmarks.csv -o scan-landmarks.csv
+    """
+    stored = read_match(folder)
+    if values.suffix.lower() == ".csv":
+        columns = columns_of(values)
+        if set(columns) == {"name", "vertex"}:
+            write_text(output, _landmarks(stored, values, columns, to))
+        else:
+            write_text(output, _table(stored, values, columns, to=to, labels=labels))
+    else:
+        _mesh(stored, values, output, to=to, labels=labels)
+    click.echo(f"written: {output}")
+    return 0
+
+
+def _carried(
+    stored: StoredMatch, array: NDArray[np.float64], *, to: str, labels: bool
+) -> NDArray[np.generic]:
+    if labels:
+        return labels_to_part(stored, array) if to == "part" else labels_to_full(stored, array)
+    return field_to_part(stored, array) if to == "part" else field_to_full(stored, array)
+
+
+def _table(
+    stored: StoredMatch, path: Path, columns: dict[str, list[str]], *, to: str, labels: bool
+) -> str:
+    source, target = (stored.full, stored.part) if to == "part" else (stored.part, stored.full)
+    order = numbers_of(path, columns, "vertex").astype(np.int64)
+    if not np.array_equal(np.sort(order), np.arange(source.vertex_count)):
+        raise InputError(
+            f"{path}: column vertex must name each of 0..{source.vertex_count - 1} once"
+        )
+    carried: dict[str, NDArray[np.generic]] = {"vertex": np.arange(target.vertex_count)}
+    for name in columns:
+        if name != "vertex":
+            array = np.empty(source.vertex_count)
+            array[order] = numbers_of(path, columns, name)
+            carried[name] = _carried(stored, array, to=to, labels=labels)
+    return table_csv(carried)
+
+
+def _landmarks(stored: StoredMatch, path: Path, columns: dict[str, list[str]], to: str) -> str:
+    vertices = numbers_of(path, columns, "vertex").astype(np.int64)
+    target = stored.part if to == "part" else stored.full
+    if to == "part":
+        points, misses = landmarks_to_part(stored, vertices)
+    else:
+        points, misses = landmarks_to_full(stored, vertices), None
+    return _landmark_text(columns["name"], target, points, misses)
+
+
+def _landmark_text(
+    names: list[str],
+    mesh: TriangleMesh,
+    points: SurfacePoints,
+    misses: NDArray[np.float64] | None,
+) -> str:
+    positions = points.positions(mesh)
+    table = {
+        "vertex": points.nearest_vertices(mesh),
+        "face": points.faces,
+        **{f"b{k}": points.barycentric[:, k] for k in range(3)},
+        **{axis: positions[:, k] for k, axis in enumerate("xyz")},
+    }
+    if misses is not None:
+        table["miss"] = misses
+    lines = table_csv(table).splitlines()
+    quoted = ['"' + name.replace('"', '""') + '"' if _awkward(name) else name for name in names]
+    return (
+        "\n".join([f"name,{lines[0]}", *map(",".join, zip(quoted, lines[1:], strict=True))]) + "\n"
+    )
+
+
+def _awkward(name: str) -> bool:
+    return any(letter in name for letter in ',"\n')
+
+
+def _mesh(stored: StoredMatch, path: Path, output: Path, *, to: str, labels: bool) -> None:
+    painted = read_mesh(path)
+    source, target = (stored.full, stored.part) if to == "part" else (stored.part, stored.full)
+    if painted.vertex_count != source.vertex_count:
+        raise InputError(
+            f"{path}: has {painted.vertex_count} vertices, but {source.name} {source.vertex_count}"
+        )
+    if not painted.fields:
+        raise InputError(f"{path}: has no vertex fields or colors to carry; use a .ply file")
+    fields: dict[str, NDArray[np.generic]] = {}
+    for name, values in painted.fields.items():
+        if name == "color":
+            # gray where there is no partner
+            fields[name] = np.nan_to_num(
+                field_to_part(stored, values) if to == "part" else field_to_full(stored, values),
+                nan=0.6,
+            )
+        else:
+            fields[name] = _carried(stored, values, to=to, labels=labels)
+    write_mesh(
+        target,
+        output,
+        fields={k: v for k, v in fields.items() if k != "color"},
+        colors=fields.get("color"),
+    )
