@@ -102,7 +102,7 @@ def test_output_is_numbered_as_the_file_whatever_repair_did(pair, tmp_path) -> N
     assert "odd.off: repaired for this run" in done.stderr
     lines = (tmp_path / "out" / "region.csv").read_text().splitlines()
     assert len(lines) == len(extra) + 1
-    assert lines[1] == "0,0.000000,0"
+    assert lines[1] == "0,0,0"
     result = json.loads((tmp_path / "out" / "result.json").read_text())
     assert len(result["full"]["notices"]) == 2
 

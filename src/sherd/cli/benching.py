@@ -8,10 +8,19 @@ from pathlib import Path
 
 import click
 
+from sherd.benchmark.paper import paper_figures, paper_summary
 from sherd.benchmark.region import region_benchmark, region_table
 from sherd.benchmark.robustness import RobustnessRow, check_command, robustness
+from sherd.benchmark.shrec16 import (
+    BenchmarkSettings,
+    shrec16_benchmark,
+    shrec16_summary,
+    shrec16_table,
+)
+from sherd.benchmark.shrec16_page import write_benchmark_page
 from sherd.cli.exits import INTERNAL
 from sherd.mesh.files import write_mesh
+from sherd.output import Stages
 from sherd.region.options import METHODS, LocateOptions
 from sherd.shapes.creature import creature
 from sherd.shapes.fragment import cut_by_ball, whole
@@ -50,6 +59,59 @@ def region_command(
         output=output,
     )
     click.echo(region_table(rows))
+    return 0
+
+
+@bench_group.command("paper")
+@click.option("--mesh", type=click.Path(path_type=Path), help="Full shape; a generated animal.")
+@click.option("--data", type=click.Path(path_type=Path), help="Folder that has animations/ in it.")
+@click.option("--quick", is_flag=True, help="Figures only, without the studies.")
+@click.option("-o", "--output", type=click.Path(path_type=Path), required=True, help="Folder.")
+def paper_command(*, mesh: Path | None, data: Path | None, quick: bool, output: Path) -> int:
+    """Reproduce the figures of the founding paper with numbers beside them.
+
+    Writes paper.json, PNG figures and paper.html.
+    """
+    stages = Stages(6 if quick else 11)
+    result = paper_figures(output, mesh=mesh, quick=quick, data=data, stages=stages)
+    stages.close()
+    click.echo(f"{paper_summary(result)}\nOpen {output / 'paper.html'} to see it.")
+    return 0
+
+
+@bench_group.command("shrec16")
+@click.argument("directory", type=click.Path(path_type=Path))
+@click.option("--remeshed", type=click.Path(path_type=Path), help="Parts meshed anew.")
+@click.option("--kind", type=click.Choice(["cuts", "holes"]), multiple=True, help="Both if none.")
+@click.option("--rotate", is_flag=True, help="Turn every part at random.")
+@click.option("--unknown-scale", is_flag=True, help="Scale every part by 0.5 to 2, untold.")
+@click.option("--only", multiple=True, help="Names of parts; all if none.")
+@click.option("--jobs", type=int, default=1, show_default=True, help="Processes.")
+@click.option("-o", "--output", type=click.Path(path_type=Path), required=True, help="Folder.")
+def shrec16_command(
+    directory: Path,
+    *,
+    remeshed: Path | None,
+    kind: tuple[str, ...],
+    rotate: bool,
+    unknown_scale: bool,
+    only: tuple[str, ...],
+    jobs: int,
+    output: Path,
+) -> int:
+    """Match every part of a SHREC'16 folder and report errors, regions and times.
+
+    Writes bench.json and bench.html; goes on where an interrupted run stopped.
+    """
+    settings = BenchmarkSettings(
+        kinds=kind or ("cuts", "holes"), rotate=rotate, unknown_scale=unknown_scale
+    )
+    rows = shrec16_benchmark(
+        directory, output=output, settings=settings, remeshed=remeshed, only=only, jobs=jobs
+    )
+    summary = shrec16_summary(rows, settings, remeshed=remeshed is not None)
+    write_benchmark_page(summary, output)
+    click.echo(f"{shrec16_table(rows)}\nOpen {output / 'bench.html'} to see it.")
     return 0
 
 

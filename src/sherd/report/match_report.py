@@ -280,8 +280,9 @@ def _sentences(result: MatchResult, document: Mapping[str, Any]) -> tuple[str, .
         said.append(f"The part was enlarged {result.scale:.3f} times to fit.")
     for other in result.alternatives:
         gap = result.scores["best"] - other.score
-        close = "is as plausible" if gap < CLOSE_SCORE else f"scores {gap:.2f} lower"
-        said.append(f"The {other.name} {close}; it is in the list of alternatives.")
+        close = "equally well" if gap < CLOSE_SCORE else f"with a score lower by {gap:.2f}"
+        who = "A mirror image of the part" if other.mirrored else "Another placement"
+        said.append(f"{who} would fit {close} ({other.name}, in the list of alternatives).")
     said.append(f"The result is {result.status.advice}.")
     if "ground_truth" in document:
         mean = document["ground_truth"]["mean_error_x100"]

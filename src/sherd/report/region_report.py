@@ -206,13 +206,13 @@ def _sentences(region: Region, notices: Mapping[str, tuple[str, ...]]) -> tuple[
     ]
     for other in region.alternatives:
         gap = region.score - other.score
-        close = "is as plausible" if gap < CLOSE_SCORE else f"scores {gap:.2f} lower"
-        kind = (
-            "The mirrored twin (it fits a mirror image of the part)"
+        close = "equally well" if gap < CLOSE_SCORE else f"with a score lower by {gap:.2f}"
+        who = (
+            "A mirror image of the part would fit"
             if other.mirrored
-            else "Another place"
+            else "The best place outside the region fits"
         )
-        said.append(f"{kind} {close}; it is in the list of alternatives.")
+        said.append(f"{who} {close} ({other.name}, in the list of alternatives).")
     if not region.status.succeeded:
         said.append(f"The solver {region.status.advice}.")
     said += [f"{which} shape: {text}" for which, texts in notices.items() for text in texts]
