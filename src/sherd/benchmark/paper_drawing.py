@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from sherd.errors import OptionError
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.output import write_bytes
-from sherd.report.camera import looks_inside_out
+from sherd.report.camera import orientation
 from sherd.report.colors import layer_colors
 from sherd.report.exhibit import Layer
 
@@ -61,7 +61,8 @@ def shape_image(
     pixels = float(np.min(np.array(size) * (1 - 2 * MARGIN) / extent))
     placed = (placed - (placed.min(axis=0) + placed.max(axis=0)) / 2) * pixels
     normals, faces = mesh.vertex_normals @ rotation.T, mesh.faces
-    if looks_inside_out(mesh):
+    facing = orientation(mesh)
+    if facing < 0:
         normals, faces = -normals, np.ascontiguousarray(faces[:, ::-1])
     image = shaded_image(
         placed * [1.0, -1.0, -1.0] + [width / 2, height / 2, 0.0],
@@ -70,6 +71,7 @@ def shape_image(
         colors=layer_colors(layer, mesh.vertex_count),
         width=width,
         height=height,
+        two_sided=facing == 0,
     )
     opacity = image[..., 3:].astype(np.float64) / 255
     white: Image = np.round(opacity * image[..., :3] + (1 - opacity) * 255).astype(np.uint8)
