@@ -47,8 +47,8 @@ BASIS_SIZE = 160
 class Template:
     """What matching needs to know about the full shape, computed on first use and kept.
 
-    Everything below is stated in units of `length = sqrt(area of full)`, so that neither the unit of
-    the file nor a scaling of both shapes matters.
+    Everything below is stated in units of `length = sqrt(area of full)`, so that neither the unit
+    of the file nor a scaling of both shapes matters.
 
     Parameters
     ----------
@@ -135,7 +135,8 @@ class Template:
         """(n,) the label nearest to each vertex."""
         nearest = self.label_distances.argmin(axis=0)
         nearest[self.label_vertices] = np.arange(len(self.label_vertices))
-        return nearest
+        cells: Ints = nearest
+        return cells
 
     @cached_property
     def normals(self) -> Floats:

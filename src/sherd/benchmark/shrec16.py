@@ -364,7 +364,8 @@ def _reliability(confidence: Floats, near: NDArray[np.bool_]) -> list[list[float
     safe = np.maximum(number, 1)
     promised = np.bincount(tenth, confidence, minlength=CONFIDENCE_BINS) / safe
     kept = np.bincount(tenth, near.astype(np.float64), minlength=CONFIDENCE_BINS) / safe
-    return np.stack([number, promised, kept], axis=1).astype(float).tolist()
+    table: list[list[float]] = np.stack([number, promised, kept], axis=1).astype(float).tolist()
+    return table
 
 
 def _key(kind: str, files: PairFiles, settings: BenchmarkSettings) -> str:

@@ -124,7 +124,7 @@ def _nearness(length: Floats) -> Floats:
 
 
 def _consensus(problem: Problem, node: int, guides: Ints, state: tuple[Ints, Ints]) -> Floats:
-    """Rotation (c,) of `node` at candidate labels that agrees best with the directions to guides."""
+    """Rotation (c,) of `node` at candidate labels that agrees best with its guides."""
     labels, at = state
     weight = _nearness(problem.part.between[node, guides])[:, None]
     angle = problem.part.directions[node, guides][:, None]
@@ -138,7 +138,8 @@ def _guides(problem: Problem, labeling: Labeling, node: int, count: int) -> Ints
     rank = problem.part.between[node] + 0.15 * (labeling.local_cost > 1.5)
     rank[node] = np.inf
     order = np.argsort(rank, kind="stable")[:count]
-    return order[np.isfinite(rank[order])]
+    near: Ints = order[np.isfinite(rank[order])]
+    return near
 
 
 def _proposals(problem: Problem, labeling: Labeling) -> tuple[Ints, Floats]:

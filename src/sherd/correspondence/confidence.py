@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
@@ -26,7 +24,7 @@ UNLIKE, TORN = 0.5, 0.6
 def confidence_features(
     part: PartData, queries: Queries, best: Hypothesis, other: Hypothesis
 ) -> Floats:
-    """Features (n', 6) of every vertex, see `FEATURES`; all but the first are near 0 when all is well.
+    """Features (n', 6) of every vertex, see `FEATURES`; near 0 when all is well.
 
     Lack of similarity of the neighborhoods and strain of the elastic surface, both averaged over
     the vertex's surroundings; distance between the two placements, at most 0.3; and the

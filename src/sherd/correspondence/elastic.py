@@ -9,7 +9,7 @@ References
 ----------
 Sorkine, Alexa, *As-rigid-as-possible surface modeling*, 2007, equations 3, 5 and 8.
 Horn, *Closed-form solution of absolute orientation using unit quaternions*, 1987, section 4.
-"""  # noqa: D400, D205
+"""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ __all__ = ["fit_rotations", "relax_positions", "softened", "strains"]
 
 
 @numba.njit(cache=True, parallel=True)
-def fit_rotations(pointers, neighbors, weights, rest, positions, rotations):  # type: ignore[no-untyped-def]  # noqa: PLR0913
+def fit_rotations(pointers, neighbors, weights, rest, positions, rotations):  # type: ignore[no-untyped-def]
     """Write the rotations (n, 3, 3) that fit the edges at each vertex best."""
     for i in numba.prange(len(rest)):
         a = np.zeros((3, 3))
@@ -60,7 +60,7 @@ def _closest_rotation(a, rotation):  # type: ignore[no-untyped-def]
 
 
 @numba.njit(cache=True)
-def _apply(pointers, neighbors, weights, data, x, out):  # type: ignore[no-untyped-def]  # noqa: PLR0913
+def _apply(pointers, neighbors, weights, data, x, out):  # type: ignore[no-untyped-def]
     for i in range(len(x)):
         for r in range(3):
             total = data[i, r, 0] * x[i, 0] + data[i, r, 1] * x[i, 1] + data[i, r, 2] * x[i, 2]
@@ -70,7 +70,7 @@ def _apply(pointers, neighbors, weights, data, x, out):  # type: ignore[no-untyp
 
 
 @numba.njit(cache=True)
-def _right_side(pointers, neighbors, weights, rest, rotations, pull, out):  # type: ignore[no-untyped-def]  # noqa: PLR0913
+def _right_side(pointers, neighbors, weights, rest, rotations, pull, out):  # type: ignore[no-untyped-def]
     for i in range(len(rest)):
         for r in range(3):
             total = pull[i, r]
@@ -86,9 +86,10 @@ def _right_side(pointers, neighbors, weights, rest, rotations, pull, out):  # ty
 def relax_positions(  # type: ignore[no-untyped-def]  # noqa: PLR0913
     pointers, neighbors, weights, rest, rotations, data, pull, positions, tolerance, limit
 ):
-    """Positions (n, 3) of least energy for fixed rotations, by conjugate gradients from `positions`.
+    """Positions (n, 3) of least energy for fixed rotations, by conjugate gradients.
 
-    `pull` (n, 3) are the data matrices times their targets. Preconditioned by the inverse of the 3 x 3 diagonal blocks; stops when the residual has
+    They start from `positions`; `pull` (n, 3) are the data matrices times their targets.
+    Preconditioned by the inverse of the 3 x 3 diagonal blocks; stops when the residual has
     fallen by `tolerance`, or after `limit` steps.
     """
     count = len(rest)
@@ -138,7 +139,7 @@ def _precondition(inverse, residual, out):  # type: ignore[no-untyped-def]
 
 
 @numba.njit(cache=True, parallel=True)
-def strains(pointers, neighbors, weights, rest, positions, rotations):  # type: ignore[no-untyped-def]  # noqa: PLR0913
+def strains(pointers, neighbors, weights, rest, positions, rotations):  # type: ignore[no-untyped-def]
     """Root of each vertex's share of E over its edges' squared lengths (n,): relative strain."""
     count = len(rest)
     result = np.empty(count)

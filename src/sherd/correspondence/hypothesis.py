@@ -11,6 +11,7 @@ from sherd.correspondence.dense import trilaterated
 from sherd.correspondence.labeling import Labeling
 from sherd.correspondence.part_data import PartData, part_spectra
 from sherd.correspondence.registration import (
+    Look,
     Placement,
     elastic_strain,
     laid_on,
@@ -116,20 +117,16 @@ def settled(
     placement = pulled_together(template, part, trilaterated(template, part, labeling))
     trust = np.clip(part.cut_distance[vertices] / CUT_LENGTH, CUT_LEAST, 1.0)
     placement = laid_on(
-        template, part, placement, finder=finder, queries=vertices,
-        spectra=(template.spectra, queries.cut_aware), reaches=FIRST_REACHES, trust=trust,
+        template, part, placement, Look(vertices, template.spectra, queries.cut_aware, trust),
+        finder=finder, reaches=FIRST_REACHES,
     )  # fmt: skip
     mask = covered_vertices(finder, template.unit, placement.positions, part.mesh.faces)
     inside = template.spectra_within(mask)
+    look = Look(vertices, inside, queries.plain, np.ones(len(vertices)))
     if thorough:
-        placement = laid_on(
-            template, part, placement, finder=finder, queries=vertices,
-            spectra=(inside, queries.plain), reaches=SECOND_REACHES,
-        )  # fmt: skip
+        placement = laid_on(template, part, placement, look, finder=finder, reaches=SECOND_REACHES)
         mask = covered_vertices(finder, template.unit, placement.positions, part.mesh.faces)
-    _, _, similarity = similar_places(
-        template, placement, vertices, (inside, queries.plain), reach=ANSWER_REACH
-    )
+    _, _, similarity = similar_places(template, placement, look, reach=ANSWER_REACH)
     strain = elastic_strain(part, placement)
     areas = part.mesh.vertex_areas
     score = np.average(similarity, weights=areas[vertices]) - np.average(

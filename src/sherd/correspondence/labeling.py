@@ -125,8 +125,8 @@ def unary_cost(problem: Problem, labels: Ints, rotations: Floats, step: float) -
     cost = lack / (1.0 + lack / SIMILARITY_LIMIT)
     trust = np.clip(problem.part.cut_distance[problem.part.nodes] / CUT_TRUST, CUT_LEAST, 1.0)
     cost *= UNARY_WEIGHT * trust[:, None]
-    cost[problem.forbidden[rows, labels]] = 1e3
-    return cost
+    result: Floats = np.where(problem.forbidden[rows, labels], 1e3, cost)
+    return result
 
 
 def solve(problem: Problem, labels: Ints, rotations: Floats, *, step: float) -> Labeling:

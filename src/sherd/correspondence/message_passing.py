@@ -1,4 +1,4 @@
-"""Compiled message passing: which label for each node, given pair costs?
+"""Compiled message passing: a label for each node, given pair costs.
 
 Kernels on plain arrays; :mod:`sherd.correspondence.labeling` says what the costs mean.
 """
@@ -20,7 +20,7 @@ def _robust(squared, limit):  # type: ignore[no-untyped-def]
 
 
 @numba.njit(cache=True, parallel=True)
-def labeling_costs(edges, measures, labels, rotations, directions, shape, settings):  # type: ignore[no-untyped-def]  # noqa: PLR0913
+def labeling_costs(edges, measures, labels, rotations, directions, shape, settings):  # type: ignore[no-untyped-def]
     """Cost (e, k, k) float32 of each pair of labels on each edge.
 
     Parameters
@@ -73,8 +73,8 @@ def labeling_costs(edges, measures, labels, rotations, directions, shape, settin
 
 
 @numba.njit(cache=True)
-def pass_messages(edges, costs, unary, pointers, incident, rounds):  # type: ignore[no-untyped-def]  # noqa: PLR0913
-    """Labels (nodes,) of low total cost by sequential tree-reweighted message passing, and the cost.
+def pass_messages(edges, costs, unary, pointers, incident, rounds):  # type: ignore[no-untyped-def]
+    """Labels (nodes,) of low total cost by tree-reweighted message passing, and the cost.
 
     `incident[pointers[i]:pointers[i + 1]]` are the edges at node i. Nodes are swept forward and
     backward `rounds` times; labels are then fixed in order, each given those before it.
@@ -110,7 +110,7 @@ def pass_messages(edges, costs, unary, pointers, incident, rounds):  # type: ign
 
 
 @numba.njit(cache=True)
-def _gather(node, edges, unary, pointers, incident, messages, total):  # type: ignore[no-untyped-def]  # noqa: PLR0913
+def _gather(node, edges, unary, pointers, incident, messages, total):  # type: ignore[no-untyped-def]
     forward, backward = messages
     total[:] = unary[node]
     for entry in range(pointers[node], pointers[node + 1]):
@@ -132,7 +132,7 @@ def _send(cost, rest, message):  # type: ignore[no-untyped-def]
 
 
 @numba.njit(cache=True)
-def _decode(edges, costs, unary, pointers, incident, backward):  # type: ignore[no-untyped-def]  # noqa: PLR0913
+def _decode(edges, costs, unary, pointers, incident, backward):  # type: ignore[no-untyped-def]
     nodes = len(unary)
     chosen = np.zeros(nodes, np.int64)
     energy = 0.0

@@ -47,7 +47,7 @@ SIMILAR_LENGTH = 0.04
 SURFACE_LENGTH = 0.006
 # Similarities within 0.02 of the best are equally good.
 SOFTNESS = 0.02
-# A target spread wider than a vertex spacing is a weak one.
+# A target that is spread wider than a vertex spacing is a weak one.
 SPREAD = 0.012
 # A pin holds one vertex as firmly as the surface is held, against all its neighbors.
 PIN_LENGTH = 0.002
@@ -70,6 +70,26 @@ class Placement:
 
     positions: Floats
     rotations: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class Look:
+    """Which neighborhoods are compared.
+
+    Attributes
+    ----------
+    vertices
+        (q,) vertices of the part that look for similar places.
+    full_spectra, part_spectra
+        Spectra of all vertices of the full shape, and of these vertices.
+    trust
+        (q,) weight of each in [0, 1].
+    """
+
+    vertices: Ints
+    full_spectra: Singles
+    part_spectra: Singles
+    trust: Floats
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,23 +134,11 @@ def pulled_together(
 
 
 def similar_places(
-    template: Template,
-    placement: Placement,
-    queries: Ints,
-    spectra: tuple[Singles, Singles],
-    *,
-    reach: float,
+    template: Template, placement: Placement, look: Look, *, reach: float
 ) -> tuple[Floats, Floats, Floats]:
     """Where near its place each query vertex looks most alike: soft maximum over a ball.
 
-    Parameters
-    ----------
-    queries
-        (q,) vertices of the part.
-    spectra
-        Of all vertices of the full shape, and of the queries.
-    reach
-        Radius of the ball.
+    `reach` is the radius of the ball.
 
     Returns
     -------
@@ -138,17 +146,20 @@ def similar_places(
         (q, 3) places, (q,) in [0, 1]: low where equally similar places are far apart, and (q,)
         the best similarity.
     """
+    queries = look.vertices
     unit = template.unit
     here = placement.positions[queries]
     tree = cKDTree(unit.vertices)
-    found = tree.query_ball_point(here, reach, return_sorted=True)
-    nearest = tree.query(here)[1]
+    found: list[list[int]] = list(tree.query_ball_point(here, reach, return_sorted=True))  # type: ignore[arg-type]
+    nearest: Ints = np.asarray(tree.query(here)[1])
     pointers = np.concatenate([[0], np.cumsum([max(len(row), 1) for row in found])])
     rows = np.repeat(np.arange(len(queries)), np.diff(pointers))
     candidates = np.concatenate(
         [np.asarray(row if row else [nearest[k]], dtype=np.int64) for k, row in enumerate(found)]
     )
-    similarity = similarity_at(spectra[0], spectra[1], pointers, candidates).astype(np.float64)
+    similarity = similarity_at(look.full_spectra, look.part_spectra, pointers, candidates).astype(
+        np.float64
+    )
     other_sheet = (template.normals[candidates] * template.normals[nearest][rows]).sum(axis=1) < 0.2
     offset = unit.vertices[candidates] - here[rows]
     # of two equally similar places the nearer one
@@ -166,28 +177,26 @@ def laid_on(
     template: Template,
     part: PartData,
     placement: Placement,
+    look: Look,
     *,
     finder: SurfaceFinder,
-    queries: Ints,
-    spectra: tuple[Singles, Singles],
     reaches: tuple[float, ...],
-    trust: Floats | None = None,
     slides: int = 3,
 ) -> Placement:
     """The elastic part laid on the full shape, drawn to similar places.
 
     One round per entry of `reaches`: look for similar places within that radius, then `slides`
-    times find the closest points of the surface and relax. `trust` (q,) weighs the queries;
-    `finder` knows the surface of `template.unit`.
+    times find the closest points of the surface and relax. `finder` knows the surface of
+    `template.unit`.
     """
+    queries = look.vertices
     elastic = elastic_surface(part)
     count = part.mesh.vertex_count
     areas = np.maximum(part.mesh.vertex_areas, 1e-9)
     density = count / len(queries)
     for reach in reaches:
-        targets, confidence, _ = similar_places(template, placement, queries, spectra, reach=reach)
-        if trust is not None:
-            confidence = confidence * trust
+        targets, confidence, _ = similar_places(template, placement, look, reach=reach)
+        confidence = confidence * look.trust
         for _ in range(slides):
             normals = vertex_normals(placement.positions, part.mesh.faces)
             points = finder.closest(placement.positions, normals)
@@ -247,7 +256,8 @@ def _relaxed(elastic: _Elastic, placement: Placement, data: Floats, pull: Floats
 def elastic_strain(part: PartData, placement: Placement) -> Floats:
     """Relative strain (n',) at each vertex: 0 where the part moved rigidly, 0.1 is ten percent."""
     elastic = elastic_surface(part)
-    return strains(
+    result: Floats = strains(
         elastic.pointers, elastic.neighbors, elastic.weights, elastic.rest,
         placement.positions, placement.rotations,
     )  # fmt: skip
+    return result

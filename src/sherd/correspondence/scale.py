@@ -1,4 +1,4 @@
-"""Unknown scale: how much larger must the part be to fit the full shape?"""
+"""Unknown scale: how much larger the part must be to fit the full shape."""
 
 from __future__ import annotations
 

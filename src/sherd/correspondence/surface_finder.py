@@ -56,8 +56,8 @@ def covered_vertices(
 ) -> NDArray[np.bool_]:
     """The vertices (n,) of `full` of whose area a laid part covers at least half.
 
-    The part, vertices `positions` (n', 3) and `faces`, is sampled densely, so the region has no holes
-    between its vertices, however coarse the part is.
+    The part, vertices `positions` (n', 3) and `faces`, is sampled densely, so the region has no
+    holes between its vertices, however coarse the part is.
     """
     corners = positions[faces]
     cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
