@@ -20,9 +20,9 @@ from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.output import write_bytes
 from sherd.spectral.basis import EigenBasis, eigenbasis
 from sherd.spectral.geodesics import Geodesics
-from sherd.spectral.sampling import farthest_point_sample
+from sherd.spectral.sampling import farthest_point_sample, remesh
 
-__all__ = ["AXIS_WIDTH", "NEAR", "RADII", "Template", "canonical"]
+__all__ = ["AXIS_WIDTH", "NEAR", "RADII", "Template", "canonical", "working_mesh"]
 
 Floats = NDArray[np.float64]
 Singles = NDArray[np.float32]
@@ -39,6 +39,11 @@ AXIS_WIDTH = 0.012
 NEAR = 0.07
 # 1,200 labels lie 0.03 apart, below the smallest radius; 700 were too few to pin directions.
 LABEL_COUNT = 1200
+# A mesh works as it is while its edges, by area, are shorter than the smallest radius and it has
+# no more vertices per area than answers need; else edges of 0.0108 give 10,000 vertices.
+LONGEST_EDGE = 0.03
+MOST_VERTICES = 20_000
+WORKING_EDGE = 0.0108
 # Raise when what is saved changes its meaning.
 FORMAT = 1
 BASIS_SIZE = 160
@@ -57,8 +62,10 @@ class Template:
 
     Attributes
     ----------
-    unit
-        The full shape scaled to area 1, its center at the origin, turned to its principal axes.
+    placed, unit
+        The full shape scaled to area 1, its center at the origin, turned to its principal axes; and
+        the same surface as a mesh of moderate size and even edges, on which all work is done. They
+        are equal for an even mesh of moderate size.
     label_vertices, label_distances, label_directions
         (s,) vertices that stand for all others, farthest-point samples; (s, n) float32 geodesic
         distances; (s, s) float32 angles at which geodesics leave a label for another.
@@ -87,9 +94,14 @@ class Template:
         _ = (self.spectra, self.label_to_label, self.label_directions)
 
     @cached_property
-    def unit(self) -> TriangleMesh:
-        """The full shape scaled to area 1, turned to its principal axes."""
+    def placed(self) -> TriangleMesh:
+        """The full shape itself, scaled to area 1 and turned to its principal axes."""
         return canonical(self.full, self.length)
+
+    @cached_property
+    def unit(self) -> TriangleMesh:
+        """The working mesh: the placed shape, meshed anew if it is large or uneven."""
+        return working_mesh(self.placed)
 
     @property
     def length(self) -> float:
@@ -192,7 +204,8 @@ class Template:
         stream = io.BytesIO()
         np.savez(
             stream, format=FORMAT, name=self.full.name,
-            vertices=self.full.vertices, faces=self.full.faces, **arrays,
+            vertices=self.full.vertices, faces=self.full.faces,
+            unit_vertices=self.unit.vertices, unit_faces=self.unit.faces, **arrays,
         )  # fmt: skip
         write_bytes(path, stream.getvalue())
 
@@ -210,11 +223,14 @@ class Template:
                 content: dict[str, Any] = dict(stored)
         except (OSError, ValueError, EOFError, zipfile.BadZipFile, zlib.error) as error:
             raise MeshFileError(f"{path}: cannot be read as a template ({error})") from error
-        missing = {"format", "name", "vertices", "faces", *_SAVED} - set(content)
+        missing = {"format", "name", "vertices", "faces", "unit_vertices", "unit_faces", *_SAVED}
+        missing -= set(content)
         if missing or int(content["format"]) != FORMAT:
             raise MeshFileError(f"{path}: is no template of this version of sherd; make it again")
         full = TriangleMesh(content["vertices"], content["faces"], name=str(content["name"]))
         template = cls(full)
+        unit = TriangleMesh(content["unit_vertices"], content["unit_faces"], name=full.name)
+        template.__dict__["unit"] = unit
         template.__dict__["_labels"] = (content["label_vertices"], content["label_distances"])
         for name in ("label_directions", "normals", "spectra"):
             template.__dict__[name] = content[name]
@@ -233,6 +249,23 @@ class Template:
 
 
 _SAVED = ("label_vertices", "label_distances", "label_directions", "normals", "spectra")
+
+
+def working_mesh(mesh: TriangleMesh) -> TriangleMesh:
+    """`mesh` (in unit of the template) as it is if it is even and not large, else meshed anew.
+
+    Neighborhoods are compared by their vertices, so both shapes need some in every ball.
+    """
+    used = len(np.unique(mesh.faces))
+    ends = mesh.vertices[mesh.edges]
+    lengths = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
+    # long edges bound much area but are few: quantile by squared length
+    order = np.argsort(lengths)
+    area_below = np.cumsum(lengths[order] ** 2)
+    wide = lengths[order][np.searchsorted(area_below, 0.95 * area_below[-1])]
+    if wide <= LONGEST_EDGE and used <= MOST_VERTICES * max(mesh.area, 0.1):
+        return mesh
+    return remesh(mesh, WORKING_EDGE)[0]
 
 
 def canonical(mesh: TriangleMesh, length: float) -> TriangleMesh:

@@ -24,7 +24,7 @@ UNLIKE, TORN = 0.5, 0.6
 def confidence_features(
     part: PartData, queries: Queries, best: Hypothesis, other: Hypothesis
 ) -> Floats:
-    """Features (n', 6) of every vertex, see `FEATURES`; near 0 when all is well.
+    """Features (n', 6) of every vertex of the part itself, see `FEATURES`; near 0 when all is well.
 
     Lack of similarity of the neighborhoods and strain of the elastic surface, both averaged over
     the vertex's surroundings; distance between the two placements, at most 0.3; and the
@@ -37,10 +37,12 @@ def confidence_features(
     strain = np.minimum(best.strain[queries.vertices], 1.0)[near].mean(axis=1)
     apart = np.linalg.norm(best.placement.positions - other.placement.positions, axis=1)
     ones = np.ones(len(positions))
-    return np.stack(
+    features = np.stack(
         [ones, lack, strain, np.minimum(apart, 0.3), ones * lack.mean(), ones * strain.mean()],
         axis=1,
     )
+    own = part.own_vertices
+    return features if own is None else own.interpolate(part.mesh, features)
 
 
 def confidences(features: Floats) -> Floats:

@@ -120,17 +120,19 @@ def settled(
         template, part, placement, Look(vertices, template.spectra, queries.cut_aware, trust),
         finder=finder, reaches=FIRST_REACHES,
     )  # fmt: skip
-    mask = covered_vertices(finder, template.unit, placement.positions, part.mesh.faces)
-    inside = template.spectra_within(mask)
+    seen = covered_vertices(finder, template.unit, placement.positions, part.mesh.faces)
+    inside = template.spectra_within(seen)
     look = Look(vertices, inside, queries.plain, np.ones(len(vertices)))
     if thorough:
         placement = laid_on(template, part, placement, look, finder=finder, reaches=SECOND_REACHES)
         mask = covered_vertices(finder, template.unit, placement.positions, part.mesh.faces)
     _, _, similarity = similar_places(template, placement, look, reach=ANSWER_REACH)
+    own = SurfaceFinder(template.placed)
+    mask = covered_vertices(own, template.placed, placement.positions, part.mesh.faces)
     strain = elastic_strain(part, placement)
     areas = part.mesh.vertex_areas
     score = np.average(similarity, weights=areas[vertices]) - np.average(
         np.minimum(strain, 1.0), weights=areas
     )
-    points = on_surface(finder, part, placement)
+    points = on_surface(own, part, placement)
     return Hypothesis(labeling, placement, points, mask, inside, similarity, strain, float(score))

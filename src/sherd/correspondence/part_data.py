@@ -9,10 +9,11 @@ from numpy.typing import NDArray
 
 from sherd.descriptors.rotation_shot import rotation_spectra, weighted_spectra
 from sherd.descriptors.tangent_frames import geodesic_directions, smoothed_normals, tangent_axes
+from sherd.mesh.surface_points import SurfacePoints, closest_points
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.spectral.geodesics import Geodesics
 from sherd.spectral.sampling import farthest_point_sample
-from sherd.template import AXIS_WIDTH, NEAR, RADII, canonical
+from sherd.template import AXIS_WIDTH, NEAR, RADII, canonical, working_mesh
 
 __all__ = ["NODE_COUNT", "PartData", "mirrored", "part_data", "part_spectra", "rescaled"]
 
@@ -37,8 +38,12 @@ class PartData:
 
     Attributes
     ----------
-    mesh
-        The part, scaled and turned to its own principal axes.
+    placed, mesh
+        The part itself, scaled and turned to its own principal axes, and the same surface as a
+        working mesh, see :func:`sherd.template.working_mesh`; all below is about the latter.
+    own_vertices
+        Where the vertices of the part itself lie on the working mesh; None if they are its
+        vertices.
     cut_distance
         (n',) geodesic distance of each vertex to the part's border.
     normals
@@ -59,7 +64,9 @@ class PartData:
         (p,) vertices and (p, 3) places in the template's frame where the user wants them.
     """
 
+    placed: TriangleMesh
     mesh: TriangleMesh
+    own_vertices: SurfacePoints | None
     cut_distance: Floats
     normals: Floats
     nodes: Ints
@@ -88,7 +95,13 @@ def part_data(
         nodes in addition to the others.
     """
     pin_vertices, pin_positions = pins or (np.empty(0, dtype=np.int64), np.empty((0, 3)))
-    mesh = canonical(part, length)
+    placed = canonical(part, length)
+    mesh = working_mesh(placed)
+    own_vertices = None if mesh is placed else closest_points(mesh, placed.vertices)
+    if own_vertices is not None:
+        pin_vertices = own_vertices[pin_vertices].nearest_vertices(mesh)
+        pin_vertices, first = np.unique(pin_vertices, return_index=True)
+        pin_positions = pin_positions[first]
     geodesics = Geodesics(mesh)
     cut = geodesics.distances_to_set(mesh.boundary_vertices)
     cut = np.where(np.isfinite(cut), np.minimum(cut, NO_CUT), NO_CUT)
@@ -110,7 +123,9 @@ def part_data(
         mesh, nodes, distances, x_axes=x_axes, z_axes=normals[nodes], near=NEAR
     )
     return PartData(
+        placed=placed,
         mesh=mesh,
+        own_vertices=own_vertices,
         cut_distance=cut,
         normals=normals,
         nodes=nodes,
@@ -127,10 +142,12 @@ def part_data(
 def mirrored(data: PartData) -> PartData:
     """The part's mirror image: to place it is to look for the orientation-reversing twin."""
     flip = np.array([-1.0, 1.0, 1.0])
-    mesh = TriangleMesh(data.mesh.vertices * flip, data.mesh.faces[:, ::-1], name=data.mesh.name)
+    own = data.own_vertices  # the corners of every face are listed the other way round
     return replace(
         data,
-        mesh=mesh,
+        own_vertices=None if own is None else SurfacePoints(own.faces, own.barycentric[:, ::-1]),
+        placed=_reflected(data.placed, flip),
+        mesh=_reflected(data.mesh, flip),
         normals=data.normals * flip,
         x_axes=data.x_axes * flip,
         directions=-data.directions,
@@ -138,10 +155,15 @@ def mirrored(data: PartData) -> PartData:
     )
 
 
+def _reflected(mesh: TriangleMesh, flip: Floats) -> TriangleMesh:
+    return TriangleMesh(mesh.vertices * flip, mesh.faces[:, ::-1], name=mesh.name)
+
+
 def rescaled(data: PartData, factor: float) -> PartData:
     """The part made larger by `factor`."""
     return replace(
         data,
+        placed=data.placed.with_vertices(data.placed.vertices * factor),
         mesh=data.mesh.with_vertices(data.mesh.vertices * factor),
         cut_distance=np.minimum(data.cut_distance * factor, NO_CUT),
         node_distances=data.node_distances * np.float32(factor),

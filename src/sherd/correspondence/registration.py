@@ -43,6 +43,8 @@ PLACE_LENGTH = 0.05
 PLACE_LIMIT = 0.04
 # Similar neighborhoods are good to a vertex spacing or two.
 SIMILAR_LENGTH = 0.04
+# A similar place farther off than this after elastic averaging is another place, not a better one.
+SIMILAR_LIMIT = 0.02
 # The part lies on the full shape: hold it there below the size of a triangle.
 SURFACE_LENGTH = 0.006
 # Similarities within 0.02 of the best are equally good.
@@ -208,7 +210,7 @@ def laid_on(
             pull = np.einsum("nij,nj->ni", data, foot)
             off = ((placement.positions[queries] - targets) ** 2).sum(axis=1)
             drawn = density * areas[queries] * confidence / SIMILAR_LENGTH**2
-            drawn /= (1 + off / 0.02**2) ** 2
+            drawn /= (1 + off / SIMILAR_LIMIT**2) ** 2
             data[queries] += drawn[:, None, None] * np.eye(3)
             pull[queries] += drawn[:, None] * targets
             placement = _relaxed(elastic, placement, *_pinned(part, data, pull))
@@ -216,9 +218,13 @@ def laid_on(
 
 
 def on_surface(finder: SurfaceFinder, part: PartData, placement: Placement) -> SurfacePoints:
-    """The point of the full shape under each vertex of the placed part."""
-    normals = vertex_normals(placement.positions, part.mesh.faces)
-    return finder.closest(placement.positions, normals)
+    """The point of the surface that `finder` knows under each vertex of the part itself."""
+    positions = placement.positions
+    normals = vertex_normals(positions, part.mesh.faces)
+    if part.own_vertices is not None:
+        positions = part.own_vertices.interpolate(part.mesh, positions)
+        normals = part.own_vertices.interpolate(part.mesh, normals)
+    return finder.closest(positions, normals)
 
 
 def _pinned(part: PartData, data: Floats, pull: Floats) -> tuple[Floats, Floats]:
