@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,7 @@ from sherd.errors import OptionError
 from sherd.mesh import topology
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.output import Stages
+from sherd.region.automatic import REGULARITIES, chosen_regularity
 from sherd.region.cleanup import clean_region, grow_region
 from sherd.region.exponential import exponential_regions
 from sherd.region.full import full_region
@@ -47,6 +48,8 @@ SHOT_RADIUS = 0.07
 LEAST_INTERIOR = 0.2
 # Balls around farthest points: spaced below their own radius for any part above 5 % of the area.
 START_COUNT = 24
+# Candidates for lambda_r where the solver is not as fast as the subspace's.
+FEW_REGULARITIES = (0.03, 0.1, 0.3)
 # Two placements that share this much of one are the same.
 SAME_PLACE = 0.5
 
@@ -141,7 +144,8 @@ def locate_by_integrals(
             rng=np.random.default_rng(options.seed),
         )
     with stages("region"):
-        answers = _solve(question.problem, full, basis, options)
+        problem, answers = _answered(question.problem, full, basis, options)
+        question = replace(question, problem=problem)
     with stages("growth"):
         geodesics = Geodesics(full)
         masks = [_whole(answer, question.problem, full, part.area, geodesics) for answer in answers]
@@ -190,8 +194,29 @@ def _interior(field: DescriptorField, part: Surface) -> NDArray[np.bool_]:
     return deepest
 
 
-def _solve(
+def _answered(
     problem: RegionProblem, full: TriangleMesh, basis: EigenBasis, options: LocateOptions
+) -> tuple[RegionProblem, list[_Answer]]:
+    """The answers, best first; under the lambda_r of the best crisp region if it was left open."""
+    many_starts = options.method in {"logistic", "exponential"}
+    starts = ball_starts(full, problem.part_area) if many_starts else np.empty((0, 0))
+    if options.regularity is not None:
+        return problem, _solve(problem, basis, starts, options)
+    found: list[list[_Answer]] = []
+
+    def solve(candidate: RegionProblem) -> list[Floats]:
+        found.append(_solve(candidate, basis, starts, options))
+        return [answer.membership for answer in found[-1]]
+
+    candidates = REGULARITIES if options.method == "subspace" else FEW_REGULARITIES
+    choice = chosen_regularity(problem, solve, candidates=candidates)
+    answers = found[candidates.index(choice.regularity)]
+    answers.insert(0, answers.pop(choice.answer))
+    return problem.with_weights(replace(problem.weights, regularity=choice.regularity)), answers
+
+
+def _solve(
+    problem: RegionProblem, basis: EigenBasis, starts: Floats, options: LocateOptions
 ) -> list[_Answer]:
     """Answers of least energy first; the convex methods have one."""
     if options.method == "subspace":
@@ -202,7 +227,6 @@ def _solve(
     if options.method == "full":
         whole = full_region(problem, iterations=options.iterations)
         return [_Answer(whole.membership, whole.phase_field, whole.energy, whole.status)]
-    starts = ball_starts(full, problem.part_area)
     if options.method == "logistic":
         return [
             _Answer(region.membership, region.phase_field, region.energy, region.status)
