@@ -175,8 +175,10 @@ def convergence_figure(scene: Scene, out: Path, *, more: int = 20) -> dict[str, 
     """Figure 4: difference from the all-vertex answer against k, on 5 random parts and `more`."""
     cases = random_cases(scene, 5 + more, rng=np.random.default_rng(0))
     table = np.empty((len(cases), len(BASIS_SIZES)))
+    shares = []
     for row, case in enumerate(cases):
         problem = case_problem(scene, case)
+        shares.append(problem.part_area / problem.area)
         whole = full_region(problem)
         for column, size in enumerate(BASIS_SIZES):
             narrow = subspace_region(problem, scene.surface.basis.truncated(size))
@@ -196,6 +198,7 @@ def convergence_figure(scene: Scene, out: Path, *, more: int = 20) -> dict[str, 
         "first_five": table[:5].tolist(),
         "mean": table.mean(axis=0).tolist(),
         "largest": table.max(axis=0).tolist(),
+        "mean_over_part": (table / np.array(shares)[:, None]).mean(axis=0).tolist(),
     }
 
 
@@ -226,6 +229,8 @@ def body_parts_figure(scene: Scene, out: Path) -> dict[str, Any]:
         )
         row: dict[str, Any] = {"part": case.name}
         row["difference"] = mean_difference(problem, whole.membership, narrow.membership)
+        # the same integral over the part's area, a much stricter scale for a small part
+        row["difference_over_part"] = row["difference"] * problem.area / problem.part_area
         for method, region in (("all vertices", whole), ("subspace", narrow)):
             mask = whole_region(scene, case, problem, region.membership)
             row[f"iou {method}"] = overlap_with_truth(scene, case, mask)

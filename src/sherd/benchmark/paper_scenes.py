@@ -204,7 +204,11 @@ def named_descriptor(name: str, scene: Scene, case: Case) -> Descriptor:
     if name == "WKS":
         bases = (scene.surface.basis, case.surface.basis)
         highest = min(float(basis.eigenvalues[-1]) for basis in bases) * unit
-        lowest = 4 * np.pi * unit / case.surface.mesh.area
+        # waves that reach no farther than half of the part's area lies from its cut, see WaveKernel
+        order = np.argsort(case.surface.cut_distance, kind="stable")
+        total = np.cumsum(case.surface.mesh.vertex_areas[order])
+        deep = case.surface.cut_distance[order[int(np.searchsorted(total, 0.5 * total[-1]))]]
+        lowest = 2 * np.pi**2 / max(float(deep), 1e-6) ** 2
         return WaveKernel.between(min(lowest, highest / 4), highest, WAVE_ENERGIES)
     raise OptionError(f"descriptor {name!r} is unknown; choose one of {DESCRIPTOR_NAMES}")
 

@@ -177,7 +177,8 @@ def outer_iteration_cost(
         heading=f"Cost of one alternation grows like n^{slope:.2f}",
         logarithmic=(True, True),
     )
-    return {"rows": rows, "exponent": slope}
+    local = np.diff(np.log(seconds)) / np.diff(np.log(counts_found))
+    return {"rows": rows, "exponent": slope, "largest_local_exponent": float(local.max())}
 
 
 def _program(problem: RegionProblem, basis: EigenBasis) -> BoundedQuadratic:
