@@ -20,7 +20,8 @@ from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.output import write_bytes
 from sherd.spectral.basis import EigenBasis, eigenbasis
 from sherd.spectral.geodesics import Geodesics
-from sherd.spectral.sampling import farthest_point_sample, remesh
+from sherd.spectral.sampling import decimate, farthest_point_sample
+from sherd.spectral.subdivision import split_long_edges
 
 __all__ = ["AXIS_WIDTH", "NEAR", "RADII", "Template", "canonical", "working_mesh"]
 
@@ -39,11 +40,10 @@ AXIS_WIDTH = 0.012
 NEAR = 0.07
 # 1,200 labels lie 0.03 apart, below the smallest radius; 700 were too few to pin directions.
 LABEL_COUNT = 1200
-# A mesh works as it is while its edges, by area, are shorter than the smallest radius and it has
-# no more vertices per area than answers need; else edges of 0.0108 give 10,000 vertices.
-LONGEST_EDGE = 0.03
+# Half the smallest radius holds a dozen vertices at this spacing; twice the usual 10,000 vertices
+# are more than answers between vertices need.
+LONGEST_EDGE = 0.016
 MOST_VERTICES = 20_000
-WORKING_EDGE = 0.0108
 # Raise when what is saved changes its meaning.
 FORMAT = 1
 BASIS_SIZE = 160
@@ -252,20 +252,19 @@ _SAVED = ("label_vertices", "label_distances", "label_directions", "normals", "s
 
 
 def working_mesh(mesh: TriangleMesh) -> TriangleMesh:
-    """`mesh` (in unit of the template) as it is if it is even and not large, else meshed anew.
+    """`mesh` (in the template's unit) with a vertex wherever one is needed, and not many more.
 
-    Neighborhoods are compared by their vertices, so both shapes need some in every ball.
+    Neighborhoods are compared by their vertices, so both shapes need some in every ball: long
+    edges are split, which leaves the surface and the given vertices as they are. A mesh with many
+    more vertices than answers need is decimated before.
     """
-    used = len(np.unique(mesh.faces))
-    ends = mesh.vertices[mesh.edges]
-    lengths = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
-    # long edges bound much area but are few: quantile by squared length
-    order = np.argsort(lengths)
-    area_below = np.cumsum(lengths[order] ** 2)
-    wide = lengths[order][np.searchsorted(area_below, 0.95 * area_below[-1])]
-    if wide <= LONGEST_EDGE and used <= MOST_VERTICES * max(mesh.area, 0.1):
+    most = int(MOST_VERTICES * max(mesh.area, 0.1))
+    if mesh.vertex_count > most > len(mesh.boundary_vertices):
+        mesh = decimate(mesh, most)[0]
+    vertices, faces = split_long_edges(mesh.vertices, mesh.faces, LONGEST_EDGE)
+    if len(vertices) == mesh.vertex_count:
         return mesh
-    return remesh(mesh, WORKING_EDGE)[0]
+    return TriangleMesh(vertices, faces, name=mesh.name)
 
 
 def canonical(mesh: TriangleMesh, length: float) -> TriangleMesh:
