@@ -1,4 +1,4 @@
-"""Partial matching of non-rigid 3D shapes: where does a piece belong on the whole?
+"""Partial matching of non-rigid 3D shapes: find where a piece belongs on the whole.
 
 >>> import sherd
 >>> full = sherd.creature(5000)
@@ -11,11 +11,14 @@ True
 from __future__ import annotations
 
 import importlib
+import sys
+import types
 from typing import TYPE_CHECKING, Any
 
 from sherd._version import __version__
 
 if TYPE_CHECKING:
+    from sherd.correspondence.point_map import PointMap
     from sherd.errors import (
         InfeasibleError,
         InputError,
@@ -25,6 +28,7 @@ if TYPE_CHECKING:
         OutputError,
         SherdError,
     )
+    from sherd.match import Alternative, MatchOptions, MatchResult, MatchStatus, match
     from sherd.mesh.files import read_mesh, write_mesh
     from sherd.mesh.inspection import MeshReport, inspect
     from sherd.mesh.repair import RepairReport, repair
@@ -34,66 +38,116 @@ if TYPE_CHECKING:
     from sherd.region.options import LocateOptions
     from sherd.region.region import Placement, Region
     from sherd.region.status import Status
+    from sherd.report.match_report import write_match_report
+    from sherd.report.notebook import plot, show
     from sherd.report.region_report import write_region_report
-    from sherd.shapes.creature import creature
-    from sherd.shapes.fragment import Fragment, cut_by_ball, cut_by_plane, whole
+    from sherd.report.stored_match import read_match
+    from sherd.shapes.creature import creature, landmarks
+    from sherd.shapes.fragment import Fragment, cut_by_ball, cut_by_plane, remeshed, whole
+    from sherd.template import Template
+    from sherd.transfer import (
+        field_to_full,
+        field_to_part,
+        labels_to_full,
+        labels_to_part,
+        landmarks_to_full,
+        landmarks_to_part,
+    )
 
 # Where each public name lives. Names are loaded when first used, so `import sherd` stays light.
 _HOMES = {
+    "Alternative": "sherd.match",
     "Fragment": "sherd.shapes.fragment",
     "InfeasibleError": "sherd.errors",
     "InputError": "sherd.errors",
     "InvalidMeshError": "sherd.errors",
     "LocateOptions": "sherd.region.options",
+    "MatchOptions": "sherd.match",
+    "MatchResult": "sherd.match",
+    "MatchStatus": "sherd.match",
     "MeshFileError": "sherd.errors",
     "MeshReport": "sherd.mesh.inspection",
     "OptionError": "sherd.errors",
     "OutputError": "sherd.errors",
     "Placement": "sherd.region.region",
+    "PointMap": "sherd.correspondence.point_map",
     "Region": "sherd.region.region",
     "RepairReport": "sherd.mesh.repair",
     "SherdError": "sherd.errors",
     "Status": "sherd.region.status",
     "SurfacePoints": "sherd.mesh.surface_points",
+    "Template": "sherd.template",
     "TriangleMesh": "sherd.mesh.triangle_mesh",
     "creature": "sherd.shapes.creature",
     "cut_by_ball": "sherd.shapes.fragment",
     "cut_by_plane": "sherd.shapes.fragment",
+    "field_to_full": "sherd.transfer",
+    "field_to_part": "sherd.transfer",
     "inspect": "sherd.mesh.inspection",
+    "labels_to_full": "sherd.transfer",
+    "labels_to_part": "sherd.transfer",
+    "landmarks": "sherd.shapes.creature",
+    "landmarks_to_full": "sherd.transfer",
+    "landmarks_to_part": "sherd.transfer",
     "locate": "sherd.region.locate",
+    "match": "sherd.match",
+    "plot": "sherd.report.notebook",
+    "read_match": "sherd.report.stored_match",
     "read_mesh": "sherd.mesh.files",
+    "remeshed": "sherd.shapes.fragment",
     "repair": "sherd.mesh.repair",
+    "show": "sherd.report.notebook",
     "whole": "sherd.shapes.fragment",
+    "write_match_report": "sherd.report.match_report",
     "write_mesh": "sherd.mesh.files",
     "write_region_report": "sherd.report.region_report",
 }
 
 __all__ = [
+    "Alternative",
     "Fragment",
     "InfeasibleError",
     "InputError",
     "InvalidMeshError",
     "LocateOptions",
+    "MatchOptions",
+    "MatchResult",
+    "MatchStatus",
     "MeshFileError",
     "MeshReport",
     "OptionError",
     "OutputError",
     "Placement",
+    "PointMap",
     "Region",
     "RepairReport",
     "SherdError",
     "Status",
     "SurfacePoints",
+    "Template",
     "TriangleMesh",
     "__version__",
     "creature",
     "cut_by_ball",
     "cut_by_plane",
+    "field_to_full",
+    "field_to_part",
     "inspect",
+    "labels_to_full",
+    "labels_to_part",
+    "landmarks",
+    "landmarks_to_full",
+    "landmarks_to_part",
     "locate",
+    "match",
+    "plot",
+    "read_match",
     "read_mesh",
+    "remeshed",
     "repair",
+    "show",
     "whole",
+    "write_match_report",
     "write_mesh",
     "write_region_report",
 ]
@@ -109,3 +163,14 @@ def __getattr__(name: str) -> Any:
 
 def __dir__() -> list[str]:
     return list(__all__)
+
+
+class _Package(types.ModuleType):
+    """Keeps `sherd.match` the function: loading the module sherd.match would put itself there."""
+
+    def __setattr__(self, name: str, value: object) -> None:
+        if not (name in _HOMES and isinstance(value, types.ModuleType)):
+            super().__setattr__(name, value)
+
+
+sys.modules[__name__].__class__ = _Package

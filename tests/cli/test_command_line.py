@@ -19,7 +19,7 @@ from sherd.shapes.creature import creature, landmarks
 from sherd.shapes.fragment import cut_by_ball, decimated, whole
 from sherd.spectral.sampling import decimate
 
-FILES = ("region.csv", "region.ply", "region.png", "report.html", "result.json")
+FILES = ("region.csv", "region.ply", "part.ply", "region.png", "report.html", "result.json")
 
 
 def run(*arguments: object, **settings: str) -> subprocess.CompletedProcess[str]:

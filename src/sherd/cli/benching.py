@@ -49,7 +49,12 @@ def region_command(
     limit: int | None,
     output: Path | None,
 ) -> int:
-    """Locate every part of a SHREC'16 folder, randomly rotated, and report the overlap."""
+    """Locate every part of a SHREC'16 folder, randomly rotated, and report the overlap.
+
+    \b
+    Example:
+      sherd bench region shrec16/ --remeshed shrec16_remeshed/ -o bench/
+    """  # noqa: D301
     rows = region_benchmark(
         directory,
         remeshed=remeshed,
@@ -71,7 +76,11 @@ def paper_command(*, mesh: Path | None, data: Path | None, quick: bool, output: 
     """Reproduce the figures of the founding paper with numbers beside them.
 
     Writes paper.json, PNG figures and paper.html.
-    """
+
+    \b
+    Example:
+      sherd bench paper -o paper/ --quick
+    """  # noqa: D301
     stages = Stages(6 if quick else 11)
     result = paper_figures(output, mesh=mesh, quick=quick, data=data, stages=stages)
     stages.close()
@@ -102,7 +111,11 @@ def shrec16_command(
     """Match every part of a SHREC'16 folder and report errors, regions and times.
 
     Writes bench.json and bench.html; goes on where an interrupted run stopped.
-    """
+
+    \b
+    Example:
+      sherd bench shrec16 shrec16/ --kind cuts --rotate -o bench/
+    """  # noqa: D301
     settings = BenchmarkSettings(
         kinds=kind or ("cuts", "holes"), rotate=rotate, unknown_scale=unknown_scale
     )
@@ -124,7 +137,11 @@ def robustness_command(directory: Path, *, output: Path, seconds: float) -> int:
 
     Writes robustness.csv and robustness.json: file, what was wrong, what sherd said. Exit code 70
     if any run ended in a traceback, a hang, a wrong exit code or a broken output.
-    """
+
+    \b
+    Example:
+      sherd bench robustness bad_meshes/ -o robustness/
+    """  # noqa: D301
     failures = 0
 
     def tell(row: RobustnessRow) -> None:

@@ -22,12 +22,18 @@ EXIT_OF = {"usable": 0, "after repair": 1, "unusable": INVALID_INPUT}
 @click.argument("mesh", type=click.Path(path_type=Path))
 @click.option("--repair", "repaired", type=click.Path(path_type=Path), help="Write it repaired.")
 @click.option("--json", "as_json", is_flag=True, help="Print the findings as JSON.")
-def check_command(mesh: Path, *, repaired: Path | None, as_json: bool) -> int:
+@click.option("-q", "--quiet", is_flag=True, help="Print nothing; the exit code tells.")
+def check_command(mesh: Path, *, repaired: Path | None, as_json: bool, quiet: bool) -> int:
     """Say what is wrong with MESH and what repair would do.
 
     Exit code 0: usable as it is; 1: usable after repair, which the other commands do by
     themselves and say so; 3: unusable.
-    """
+
+    \b
+    Examples:
+      sherd check scan.obj
+      sherd check scan.obj --repair mended.ply
+    """  # noqa: D301
     try:
         loaded, notices = read_mesh_with_notices(mesh)
         report = inspect(loaded)
@@ -38,10 +44,10 @@ def check_command(mesh: Path, *, repaired: Path | None, as_json: bool) -> int:
         return INVALID_INPUT
     if as_json:
         click.echo(json.dumps({**report.as_dict(), "notices": list(notices)}, indent=2))
-    else:
+    elif not quiet:
         click.echo("\n".join([str(report), *(f"  note: {notice}" for notice in notices)]))
     if repaired is not None and report.usable != "unusable":
         write_mesh(repair(loaded)[0], repaired)
-        if not as_json:
+        if not (as_json or quiet):
             click.echo(f"  written: {repaired}")
     return EXIT_OF[report.usable]

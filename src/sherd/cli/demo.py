@@ -26,13 +26,18 @@ VERTEX_COUNT = 10_000
 @click.option(
     "-o", "--output", type=click.Path(path_type=Path), default=Path("sherd-demo"), show_default=True
 )
-def demo_command(output: Path) -> int:
+@click.option("-q", "--quiet", is_flag=True, help="Print errors only.")
+def demo_command(output: Path, *, quiet: bool) -> int:
     """Match a piece of a generated animal with the whole; needs no files.
 
     The animal walks, its front half is cut off, meshed anew, turned at random and sought on the
     standing animal.
-    """
-    stages = Stages(STAGE_COUNT + 1)
+
+    \b
+    Example:
+      sherd demo -o demo/ && sherd view demo/
+    """  # noqa: D301
+    stages = Stages(STAGE_COUNT + 1, visible=False if quiet else None)
     with stages("generated shapes"):
         fragment = demo_fragment()
         full, part = output / "creature.ply", output / "fragment.ply"
@@ -41,6 +46,8 @@ def demo_command(output: Path) -> int:
     meshes = prepared_mesh(full), prepared_mesh(part)
     result, document = match_and_write(*meshes, output, options=MatchOptions(), stages=stages)
     stages.close()
+    if quiet:
+        return 0
     click.echo(match_summary(result, document, output))
     distances = GroundTruthDistances(fragment.full)
     error = 100 * distances.between(fragment.truth, result.point_map.points).mean()

@@ -16,6 +16,7 @@ from sherd.output import Stages
 from sherd.region.locate import locate
 from sherd.region.options import DESCRIPTORS, METHODS, SOLVERS, LocateOptions
 from sherd.region.region import Placement, Region
+from sherd.report.exports import SHAPE_EXPORTS
 from sherd.report.region_report import write_region_report
 
 __all__ = ["locate_and_write", "locate_command"]
@@ -52,23 +53,45 @@ DEFAULTS = LocateOptions()
 @click.option("--iterations", type=int, default=DEFAULTS.iterations, show_default=True)
 @click.option("--vocabulary-size", type=int, default=DEFAULTS.vocabulary_size, show_default=True)
 @click.option("--seed", type=int, default=DEFAULTS.seed, show_default=True)
+@click.option(
+    "--export",
+    "exports",
+    type=click.Choice(SHAPE_EXPORTS),
+    multiple=True,
+    help="Further files: ParaView, NumPy, MATLAB. May be repeated.",
+)
 @click.option("--json", "as_json", is_flag=True, help="Print result.json on standard output.")
 @click.option("-q", "--quiet", is_flag=True, help="Print errors only.")
 def locate_command(
-    full: Path, part: Path, output: Path, *, as_json: bool, quiet: bool, **parameters: Any
+    full: Path,
+    part: Path,
+    output: Path,
+    *,
+    exports: tuple[str, ...],
+    as_json: bool,
+    quiet: bool,
+    **parameters: Any,
 ) -> int:
-    r"""Find the region of the mesh FULL where the deformed piece PART belongs.
+    """Find the region of the mesh FULL where the deformed piece PART belongs.
 
-    Writes region.csv, region.ply, region.png, report.html and result.json to the output folder.
+    Writes region.csv, region.ply, part.ply, region.png, report.html and result.json to the
+    output folder.
 
     \b
-    Example:
+    Examples:
       sherd locate template.ply scan.ply -o out/
-    """
+      sherd locate template.ply scan.ply -o out/ --export vtp --export mat
+      sherd locate template.ply scan.ply -o out/ --method subspace
+    """  # noqa: D301
     options = LocateOptions(**parameters)
     stages = Stages(STAGE_COUNT, visible=False if quiet else None)
     region, result = locate_and_write(
-        prepared_mesh(full), prepared_mesh(part), output, options=options, stages=stages
+        prepared_mesh(full),
+        prepared_mesh(part),
+        output,
+        options=options,
+        stages=stages,
+        exports=exports,
     )
     stages.close()
     if as_json:
@@ -85,6 +108,7 @@ def locate_and_write(
     *,
     options: LocateOptions,
     stages: Stages,
+    exports: tuple[str, ...] = (),
 ) -> tuple[Region, dict[str, Any]]:
     """Locate on the repaired meshes and write the answer in the numbering of the files."""
     found = locate(full.repaired, part.repaired, options, stages=stages)
@@ -92,7 +116,9 @@ def locate_and_write(
     region = _as_read(found, full, part)
     with stages("files"):
         notices = {"full": full.notices, "part": part.notices}
-        result = write_region_report(region, output, command=command_line(), notices=notices)
+        result = write_region_report(
+            region, output, command=command_line(), notices=notices, exports=exports
+        )
     return region, result
 
 

@@ -16,6 +16,7 @@ __all__ = ["main"]
 COMMANDS = {
     "match": ("sherd.cli.matching", "match_command", "Find the partner of every point of a piece."),
     "locate": ("sherd.cli.locating", "locate_command", "Find where a piece belongs on the whole."),
+    "view": ("sherd.cli.viewing", "view_command", "Open a report again, or draw it as PNG."),
     "transfer": (
         "sherd.cli.transferring",
         "transfer_command",
@@ -46,7 +47,7 @@ class _LazyGroup(ReportingGroup):
 @click.group(cls=_LazyGroup, context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(__version__, prog_name="sherd")
 def main(**_: Any) -> None:
-    r"""Partial matching of non-rigid 3D shapes.
+    """Partial matching of non-rigid 3D shapes.
 
     Where does a deformed, incomplete piece belong on the whole?
 
@@ -55,5 +56,6 @@ def main(**_: Any) -> None:
       sherd demo
       sherd match template.ply scan.ply -o out/
       sherd locate template.ply scan.ply -o out/
+      sherd view out/ --png
       sherd check scan.obj
-    """
+    """  # noqa: D301

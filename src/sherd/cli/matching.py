@@ -17,6 +17,7 @@ from sherd.cli.tables import read_ground_truth, read_ignored, read_landmarks
 from sherd.errors import InputError
 from sherd.match import MatchOptions, MatchResult, MatchStatus, match
 from sherd.output import Stages
+from sherd.report.exports import MAP_EXPORTS, SHAPE_EXPORTS
 from sherd.report.match_report import write_match_report
 from sherd.template import Template
 
@@ -47,12 +48,20 @@ FILE = click.Path(path_type=Path)
     help="File (.npz) that keeps what depends on FULL alone: made if missing, used if there.",
 )
 @click.option("--seed", type=int, default=0, show_default=True)
+@click.option(
+    "--export",
+    "exports",
+    type=click.Choice(SHAPE_EXPORTS + MAP_EXPORTS),
+    multiple=True,
+    help="Further files: ParaView, NumPy, MATLAB, vertex maps from 0 (map) or 1 (vts). May be "
+    "repeated.",
+)
 @click.option("--json", "as_json", is_flag=True, help="Print result.json on standard output.")
 @click.option("-q", "--quiet", is_flag=True, help="Print errors only.")
 def match_command(
     full: Path, part: Path, output: Path, *, as_json: bool, quiet: bool, **hints: Any
 ) -> int:
-    r"""Find for every vertex of the piece PART its point on the mesh FULL.
+    """Find for every vertex of the piece PART its point on the mesh FULL.
 
     Writes correspondence.csv, region.csv, full.ply, part.ply, match.png, report.html and
     result.json to the output folder.
@@ -60,8 +69,9 @@ def match_command(
     \b
     Examples:
       sherd match template.ply scan.ply -o out/
-      sherd match template.ply scan.ply -o out/ --scale unknown --landmarks pairs.csv
-    """
+      sherd match template.ply scan.ply -o out/ --scale unknown
+      sherd match template.ply scan.ply -o out/ --landmarks pairs.csv --export vtp
+    """  # noqa: D301
     stages = Stages(STAGE_COUNT, visible=False if quiet else None)
     meshes = prepared_mesh(full), prepared_mesh(part)
     options = MatchOptions(
@@ -78,6 +88,7 @@ def match_command(
         stages=stages,
         template=template,
         truth=hints["ground_truth"],
+        exports=hints["exports"],
     )
     stages.close()
     if as_json:
@@ -96,6 +107,7 @@ def match_and_write(
     stages: Stages,
     template: Template | None = None,
     truth: Path | None = None,
+    exports: tuple[str, ...] = (),
 ) -> tuple[MatchResult, dict[str, Any]]:
     """Match the repaired meshes and write the answer in the numbering of the files."""
     true_points = None if truth is None else read_ground_truth(truth, full.original, part.original)
@@ -113,6 +125,7 @@ def match_and_write(
             command=command_line(),
             notices={"full": full.notices, "part": part.notices},
             errors=errors,
+            exports=exports,
         )
     return result, document
 

@@ -42,8 +42,11 @@ FILE = click.Path(path_type=Path)
     help="Which shape gets the values; they come from the other.",
 )
 @click.option("--labels", is_flag=True, help="Values are labels: never interpolate.")
-def transfer_command(folder: Path, values: Path, output: Path, *, to: str, labels: bool) -> int:
-    r"""Carry VALUES from one shape to the other along the match in FOLDER.
+@click.option("-q", "--quiet", is_flag=True, help="Print errors only.")
+def transfer_command(
+    folder: Path, values: Path, output: Path, *, to: str, labels: bool, quiet: bool
+) -> int:
+    """Carry VALUES from one shape to the other along the match in FOLDER.
 
     VALUES is a mesh with vertex fields or colors (written as .ply), a CSV with a column `vertex`
     and columns of numbers, a row per vertex, or a CSV with the columns `name,vertex` of
@@ -54,7 +57,7 @@ def transfer_command(folder: Path, values: Path, output: Path, *, to: str, label
       sherd transfer out/ template-painted.ply -o scan-painted.ply
       sherd transfer out/ muscles.csv -o scan-muscles.csv --labels
       sherd transfer out/ landmarks.csv -o scan-landmarks.csv
-    """
+    """  # noqa: D301
     stored = read_match(folder)
     if values.suffix.lower() == ".csv":
         columns = columns_of(values)
@@ -64,7 +67,8 @@ def transfer_command(folder: Path, values: Path, output: Path, *, to: str, label
             write_text(output, _table(stored, values, columns, to=to, labels=labels))
     else:
         _mesh(stored, values, output, to=to, labels=labels)
-    click.echo(f"written: {output}")
+    if not quiet:
+        click.echo(f"written: {output}")
     return 0
 
 

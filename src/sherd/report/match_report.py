@@ -14,9 +14,11 @@ from sherd.match import MatchResult
 from sherd.output import ResultFolder
 from sherd.report.colors import correspondence_layer, part_layer
 from sherd.report.exhibit import Exhibit, Layer, Partner, Placement
+from sherd.report.exports import exported
 from sherd.report.files import corr_text, painted_ply, table_csv
 from sherd.report.folder import plain
 from sherd.report.html import page
+from sherd.report.known_layers import error_layer, file_layers, known_layer
 from sherd.report.mesh_facts import mesh_facts
 from sherd.report.picture import picture, png_bytes
 
@@ -42,6 +44,7 @@ def write_match_report(
     command: str = "",
     notices: Mapping[str, tuple[str, ...]] | None = None,
     errors: Floats | None = None,
+    exports: tuple[str, ...] = (),
 ) -> dict[str, Any]:
     """Write all files of a match; docs/files.md describes them.
 
@@ -57,6 +60,8 @@ def write_match_report(
         What was adapted while reading, by "full" and "part".
     errors
         (n_part,) error of each vertex in sqrt(area of the full shape), where the truth is known.
+    exports
+        Further files, of :data:`sherd.report.exports.SHAPE_EXPORTS` and ``MAP_EXPORTS``.
 
     Returns
     -------
@@ -65,6 +70,8 @@ def write_match_report(
 
     Raises
     ------
+    OptionError
+        If an export is unknown.
     OutputError
         If something cannot be written; see :class:`sherd.output.ResultFolder`.
     """
@@ -80,6 +87,8 @@ def write_match_report(
         output.add("part.ply", painted_ply(result.part, exhibit.part_layers, painted=carried))
         output.add("match.png", png_bytes(picture(exhibit)))
         output.add("report.html", page(exhibit))
+        for name, content in exported(exhibit, exports).items():
+            output.add(name, content)
         return output.finish(plain(document))
 
 
@@ -175,7 +184,7 @@ def match_exhibit(
                 description="What a mirror image of the part would match."
                 if other.mirrored
                 else "Another placement.",
-                full_layers=(Layer("region", other.mask, "mask"),),
+                full_layers=(known_layer("region", other.mask),),
                 partner=Partner(other.points),
             )
             for other in result.alternatives
@@ -193,55 +202,23 @@ def _partner(result: MatchResult) -> Partner:
 
 
 def _full_layers(result: MatchResult) -> tuple[Layer, ...]:
-    layers = [
+    return (
         correspondence_layer(result.full),
-        Layer("region", result.region.mask, "mask", description="Where the part lies."),
-        Layer(
-            "membership",
-            result.region.membership,
-            range=(0.0, 1.0),
-            color_map="ember",
-            description="How much each point of the full shape belongs to the part's place.",
-        ),
-    ]
-    layers += [
-        Layer(f"{name} (from the file)", values, carried=True)
-        for name, values in result.full.fields.items()
-        if values.ndim == 1 and np.isfinite(values).any()
-    ]
-    return tuple(layers)
+        known_layer("region", result.region.mask),
+        known_layer("membership", result.region.membership),
+        *file_layers(result.full.fields, carried=True),
+    )
 
 
 def _part_layers(result: MatchResult, errors: Floats | None) -> tuple[Layer, ...]:
-    layers = [
-        Layer(
-            "confidence",
-            result.point_map.confidence,
-            range=(0.0, 1.0),
-            color_map="lagoon",
-            description="Chance that the answer is within 0.05 sqrt(area) of the truth.",
-        ),
-        Layer("matched", result.point_map.matched, "mask", description="Has a partner."),
-        Layer(
-            "distortion",
-            _distortion(result),
-            range=(-0.3, 0.3),
-            color_map="balance",
-            description="Logarithm of mapped over original edge length: 0 keeps lengths.",
-        ),
-    ]
-    if errors is not None:
-        worst = max(0.05, float(np.quantile(errors, 0.99)))
-        layers.append(
-            Layer(
-                "error",
-                errors,
-                range=(0.0, worst),
-                color_map="dusk",
-                description="Distance to the ground truth in sqrt(area of the full shape).",
-            )
-        )
-    return tuple(layers)
+    return (
+        known_layer("confidence", result.point_map.confidence),
+        known_layer("matched", result.point_map.matched),
+        known_layer("distortion", _distortion(result)),
+        known_layer("orientation", _orientation(result)),
+        *(() if errors is None else (error_layer(errors),)),
+        *file_layers(result.part.fields),
+    )
 
 
 def _distortion(result: MatchResult) -> Floats:
@@ -256,6 +233,24 @@ def _distortion(result: MatchResult) -> Floats:
     degree = np.bincount(edges.ravel(), minlength=count)
     mean: Floats = np.divide(total, degree, out=np.full(count, np.nan), where=degree > 0)
     return mean
+
+
+def _orientation(result: MatchResult) -> Floats:
+    """Share of the faces at each part vertex that the map does not turn over, (n_part,).
+
+    A face is turned over if its image runs the other way around than the full shape there, as in
+    :meth:`sherd.match.MatchResult.check`. NaN at lonely vertices.
+    """
+    faces, points = result.part.faces, result.point_map.points
+    corners = points.positions(result.full)[faces]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    outward = points.interpolate(result.full, result.full.vertex_normals)[faces].sum(axis=1)
+    kept = (normals * outward).sum(axis=1) > 0
+    count = result.part.vertex_count
+    total = np.bincount(faces.ravel(), np.repeat(kept, 3), count)
+    degree = np.bincount(faces.ravel(), minlength=count)
+    share: Floats = np.divide(total, degree, out=np.full(count, np.nan), where=degree > 0)
+    return share
 
 
 def _anchors(result: MatchResult) -> NDArray[np.int64]:

@@ -1,14 +1,21 @@
-"""show(): the interactive page inside a notebook."""
+"""show() and plot(): a result in a notebook, to turn or as a picture."""
 
 from __future__ import annotations
 
 import html
 from dataclasses import dataclass
 
+from PIL import Image
+
+from sherd.match import MatchResult
+from sherd.region.region import Region
 from sherd.report.exhibit import Exhibit
 from sherd.report.html import page
+from sherd.report.match_report import match_exhibit, match_result
+from sherd.report.picture import picture
+from sherd.report.region_report import region_exhibit
 
-__all__ = ["Shown", "show"]
+__all__ = ["Shown", "exhibit_of", "plot", "show"]
 
 
 @dataclass(frozen=True)
@@ -37,6 +44,47 @@ class Shown:
         )
 
 
-def show(exhibit: Exhibit, *, height: int = 900) -> Shown:
-    """Return the page of an exhibit; as the last line of a notebook cell it is displayed."""
-    return Shown(page(exhibit), height)
+def exhibit_of(result: Region | MatchResult | Exhibit) -> Exhibit:
+    """A result as something to look at; an exhibit is returned as it is."""
+    if isinstance(result, Region):
+        return region_exhibit(result)
+    if isinstance(result, MatchResult):
+        return match_exhibit(result, match_result(result))
+    return result
+
+
+def show(result: Region | MatchResult | Exhibit, *, height: int = 900) -> Shown:
+    """Return the interactive page of a result; the last line of a notebook cell displays it.
+
+    Parameters
+    ----------
+    result
+        Of :func:`sherd.match` or :func:`sherd.locate`.
+    height
+        Of the frame, in pixels.
+    """
+    return Shown(page(exhibit_of(result)), height)
+
+
+def plot(
+    result: Region | MatchResult | Exhibit, *, layer: str | None = None, width: int = 1600
+) -> Image.Image:
+    """Both shapes side by side as a picture, which notebooks display and ``.save(path)`` writes.
+
+    Parameters
+    ----------
+    result
+        Of :func:`sherd.match` or :func:`sherd.locate`.
+    layer
+        What to color by: ``"membership"``, ``"region"``, ``"correspondence"``, ``"confidence"``,
+        ``"distortion"``, ``"orientation"``, ``"phase field"`` or ``"<name> (from the file)"`` for a
+        vertex field of the input. The map of a match and the membership of a region when None.
+    width
+        In pixels, at least 400.
+
+    Raises
+    ------
+    OptionError
+        If the result has no such layer or the width is too small.
+    """
+    return picture(exhibit_of(result), layer=layer, width=width)

@@ -10,13 +10,16 @@ from typing import Any
 
 import numpy as np
 
+from sherd.mesh.encode import encoded
 from sherd.output import ResultFolder
 from sherd.region.region import Placement as RegionPlacement
 from sherd.region.region import Region
 from sherd.report.exhibit import Exhibit, Layer, Placement
+from sherd.report.exports import exported
 from sherd.report.files import painted_ply, table_csv
 from sherd.report.folder import plain
 from sherd.report.html import page
+from sherd.report.known_layers import file_layers, known_layer, located_part_layers
 from sherd.report.mesh_facts import mesh_facts
 from sherd.report.picture import picture, png_bytes
 
@@ -33,6 +36,7 @@ def write_region_report(
     *,
     command: str = "",
     notices: Mapping[str, tuple[str, ...]] | None = None,
+    exports: tuple[str, ...] = (),
 ) -> dict[str, Any]:
     """Write all files of a located region; docs/files.md describes them.
 
@@ -46,6 +50,8 @@ def write_region_report(
         What to type to get the same again, shown in the report.
     notices
         What was adapted while reading, by "full" and "part".
+    exports
+        Further files, of :data:`sherd.report.exports.SHAPE_EXPORTS`.
 
     Returns
     -------
@@ -54,6 +60,8 @@ def write_region_report(
 
     Raises
     ------
+    OptionError
+        If an export is unknown.
     OutputError
         If something cannot be written; see :class:`sherd.output.ResultFolder`.
     """
@@ -61,8 +69,11 @@ def write_region_report(
     with ResultFolder(folder) as output:
         output.add("region.csv", region_csv(region))
         output.add("region.ply", painted_ply(region.full, exhibit.full_layers))
+        output.add("part.ply", encoded(region.part, ".ply"))
         output.add("region.png", png_bytes(picture(exhibit)))
         output.add("report.html", page(exhibit))
+        for name, content in exported(exhibit, exports).items():
+            output.add(name, content)
         return output.finish(plain(region_result(region, command=command, notices=notices)))
 
 
@@ -136,7 +147,7 @@ def region_exhibit(
         full=region.full,
         part=region.part,
         full_layers=_layers(region),
-        part_layers=_part_layers(region),
+        part_layers=(*located_part_layers(region.part), *file_layers(region.part.fields)),
         score=region.score,
         score_name="mean similarity of neighborhoods, 1 is best",
         alternatives=tuple(_placement(other) for other in region.alternatives),
@@ -148,35 +159,11 @@ def region_exhibit(
 
 
 def _layers(region: Region) -> tuple[Layer, ...]:
-    layers = [
-        Layer(
-            "membership",
-            region.membership,
-            range=(0.0, 1.0),
-            color_map="ember",
-            description="How much each point of the full shape belongs to the part's place.",
-        ),
-        Layer("region", region.mask, "mask", description="The place, cut to the part's area."),
-        Layer(
-            "phase field",
-            region.phase_field,
-            range=(0.0, 1.0),
-            color_map="dusk",
-            description="Near 0 where the place has its boundary, 1 elsewhere.",
-        ),
-    ]
-    for name, values in region.full.fields.items():
-        if values.ndim == 1 and np.isfinite(values).any():
-            layers.append(Layer(f"{name} (from the file)", values))
-    return tuple(layers)
-
-
-def _part_layers(region: Region) -> tuple[Layer, ...]:
-    """All of the part belongs to its place, so it has the color of the place."""
-    everywhere = np.ones(region.part.vertex_count)
     return (
-        Layer("membership", everywhere, range=(0.0, 1.0), color_map="ember"),
-        Layer("region", everywhere, "mask"),
+        known_layer("membership", region.membership),
+        known_layer("region", region.mask),
+        known_layer("phase field", region.phase_field),
+        *file_layers(region.full.fields),
     )
 
 
@@ -190,8 +177,8 @@ def _placement(other: RegionPlacement) -> Placement:
         score=other.score,
         description=described.get(other.name, ""),
         full_layers=(
-            Layer("membership", other.membership, range=(0.0, 1.0), color_map="ember"),
-            Layer("region", other.mask, "mask"),
+            known_layer("membership", other.membership),
+            known_layer("region", other.mask),
         ),
     )
 

@@ -1,0 +1,93 @@
+"""An output folder of `sherd match` or `sherd locate` as something to look at again."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sherd.errors import InputError, SherdError
+from sherd.mesh.files import read_mesh
+from sherd.mesh.triangle_mesh import TriangleMesh
+from sherd.report.colors import correspondence_layer
+from sherd.report.exhibit import Exhibit, Partner
+from sherd.report.folder import folder_problems
+from sherd.report.known_layers import file_layers, located_part_layers, stored_layers
+from sherd.report.stored_match import read_match
+
+__all__ = ["read_exhibit"]
+
+
+def read_exhibit(folder: str | os.PathLike[str]) -> Exhibit:
+    """Both shapes with their layers and, for a match, the map; without the alternatives.
+
+    Raises
+    ------
+    InputError
+        If the folder is missing, mixes two runs, or holds neither a match nor a region.
+    """
+    path = Path(folder)
+    problems = folder_problems(path)
+    if problems:
+        raise InputError(problems[0])
+    try:
+        document = json.loads((path / "result.json").read_text(encoding="utf-8"))
+        kind = document.get("format")
+        if kind == "sherd match 1":
+            return _match_exhibit(path, document)
+        if kind == "sherd region 1":
+            return _region_exhibit(path, document)
+    except SherdError:
+        raise
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise InputError(f"{path}: cannot be read as a result ({error}); run again") from error
+    raise InputError(f"{path}: holds {kind!r}, neither the result of a match nor of locate")
+
+
+def _match_exhibit(path: Path, document: Mapping[str, Any]) -> Exhibit:
+    stored = read_match(path)
+    full, part = _named(stored.full, document["full"]), _named(stored.part, document["part"])
+    colors = correspondence_layer(full)
+    point_map = stored.point_map
+    return Exhibit(
+        title=f"{part.name} on {full.name}",
+        full=full,
+        part=part,
+        full_layers=(colors, *stored_layers(stored.full.fields, carried=True)),
+        part_layers=stored_layers(stored.part.fields),
+        partner=Partner(point_map.points, point_map.matched, point_map.confidence),
+        region=_mask(stored.full),
+    )
+
+
+def _region_exhibit(path: Path, document: Mapping[str, Any]) -> Exhibit:
+    located = read_mesh(path / "region.ply")
+    try:
+        piece = read_mesh(path / "part.ply")
+    except InputError as error:
+        raise InputError(
+            f"{path}: was written before part.ply belonged to a result; run again"
+        ) from error
+    full, part = _named(located, document["full"]), _named(piece, document["part"])
+    return Exhibit(
+        title=f"{part.name} on {full.name}",
+        full=full,
+        part=part,
+        full_layers=stored_layers(located.fields),
+        part_layers=(*located_part_layers(part), *file_layers(piece.fields)),
+        region=_mask(located),
+    )
+
+
+def _named(mesh: TriangleMesh, facts: Mapping[str, Any]) -> TriangleMesh:
+    """Without the fields, which are layers now, and with the name of the user's file."""
+    return TriangleMesh(mesh.vertices, mesh.faces, name=str(facts["name"]))
+
+
+def _mask(mesh: TriangleMesh) -> NDArray[np.bool_]:
+    return np.asarray(mesh.fields["region"] > 0.5)

@@ -1,0 +1,185 @@
+"""Folders looked at again, files for other programs, and results in notebooks."""
+
+from __future__ import annotations
+
+import base64
+import io
+import json
+import xml.etree.ElementTree as ET
+
+import numpy as np
+import pytest
+import scipy.io
+from PIL import Image
+
+import sherd
+from sherd.correspondence.point_map import PointMap
+from sherd.errors import InputError, OptionError
+from sherd.match import MatchOptions, MatchRegion, MatchResult, MatchStatus
+from sherd.mesh.triangle_mesh import TriangleMesh
+from sherd.report.exports import exported
+from sherd.report.match_report import match_exhibit, match_result, write_match_report
+from sherd.report.notebook import exhibit_of, plot, show
+from sherd.report.stored_exhibit import read_exhibit
+
+
+@pytest.fixture(scope="module")
+def result(exhibit) -> MatchResult:
+    """The exact match of the half, with one vertex put where it turns its faces over."""
+    points, known = exhibit.partner.points, exhibit.partner.known
+    thickness = np.linspace(1, 2, exhibit.full.vertex_count)
+    full = TriangleMesh(
+        exhibit.full.vertices, exhibit.full.faces, fields={"thickness": thickness}, name="w.ply"
+    )
+    return MatchResult(
+        full=full,
+        part=exhibit.part,
+        point_map=PointMap(points.faces, points.barycentric, known, exhibit.partner.confidence),
+        region=MatchRegion(np.asarray(exhibit.region), exhibit.full_layers[0].values),
+        alternatives=(),
+        scale=1.0,
+        scores={"best": 0.9},
+        status=MatchStatus.GOOD,
+        options=MatchOptions(),
+        timings={},
+        version="1",
+    )
+
+
+@pytest.fixture(scope="module")
+def folder(result, tmp_path_factory):
+    out = tmp_path_factory.mktemp("match")
+    errors = np.linspace(0, 0.1, result.part.vertex_count)
+    write_match_report(result, out, errors=errors, exports=("vtp", "npz", "mat", "map", "vts"))
+    return out
+
+
+def named(layers, name):
+    return next(layer for layer in layers if layer.name == name)
+
+
+def test_a_folder_shows_again_what_the_report_showed(result, folder) -> None:
+    errors = np.linspace(0, 0.1, result.part.vertex_count)
+    before = match_exhibit(result, match_result(result), errors=errors)
+    again = read_exhibit(folder)
+    assert again.title == before.title
+    for side in ("full_layers", "part_layers"):
+        assert [layer.name for layer in getattr(again, side)] == [
+            layer.name for layer in getattr(before, side)
+        ]
+        for old, new in zip(getattr(before, side), getattr(again, side), strict=True):
+            assert (old.kind, old.limits, old.color_map) == (new.kind, new.limits, new.color_map)
+            np.testing.assert_allclose(new.values, old.values, atol=1e-12)
+    np.testing.assert_array_equal(again.region, before.region)
+
+
+def test_the_picture_drawn_again_is_the_picture_of_the_folder(folder) -> None:
+    with Image.open(folder / "match.png") as image:
+        stored = np.asarray(image.convert("RGB"), dtype=float)
+    again = np.asarray(plot(read_exhibit(folder)).convert("RGB"), dtype=float)
+    assert again.shape == stored.shape
+    assert np.abs(again - stored).mean() < 0.2
+
+
+def test_orientation_finds_exactly_the_faces_that_are_turned_over(result, exhibit) -> None:
+    assert (named(exhibit_of(result).part_layers, "orientation").values == 1).all()
+    # exchanging the answers of two neighbors turns over some faces around them and no others
+    a, b = result.part.edges[40]
+    order = np.arange(result.part.vertex_count)
+    order[[a, b]] = b, a
+    wrong = MatchResult(
+        **{
+            **{name: getattr(result, name) for name in result.__dataclass_fields__},
+            "point_map": PointMap(
+                result.point_map.faces[order],
+                result.point_map.barycentric[order],
+                result.point_map.matched,
+                result.point_map.confidence,
+            ),
+        }
+    )
+    share = named(exhibit_of(wrong).part_layers, "orientation").values
+    touched = np.unique(result.part.faces[np.isin(result.part.faces, [a, b]).any(axis=1)])
+    assert share[[a, b]].max() < 1
+    untouched = np.setdiff1d(np.arange(result.part.vertex_count), touched)
+    assert (share[untouched] == 1).all()
+
+
+def test_scipy_reads_the_mat_file_counted_from_one(result, folder) -> None:
+    stored = scipy.io.loadmat(folder / "result.mat")
+    np.testing.assert_array_equal(stored["full_faces"] - 1, result.full.faces)
+    np.testing.assert_array_equal(stored["full_face"].ravel() - 1, result.point_map.faces)
+    np.testing.assert_allclose(stored["barycentric"], result.point_map.barycentric)
+    np.testing.assert_array_equal(stored["region"].ravel(), result.region.mask)
+    assert stored["error"].shape == (result.part.vertex_count, 1)
+
+
+def test_numpy_reads_the_npz_file_counted_from_zero(result, folder) -> None:
+    with np.load(folder / "result.npz") as stored:
+        np.testing.assert_array_equal(stored["part_faces"], result.part.faces)
+        np.testing.assert_array_equal(stored["full_face"], result.point_map.faces)
+        np.testing.assert_allclose(stored["confidence"], result.point_map.confidence)
+
+
+def test_vertex_maps_count_from_zero_and_one(result, folder) -> None:
+    zero = np.loadtxt(folder / "correspondence.map", dtype=int)
+    one = np.loadtxt(folder / "correspondence.vts", dtype=int)
+    matched = result.point_map.matched
+    nearest = result.point_map.points.nearest_vertices(result.full)
+    np.testing.assert_array_equal(zero[matched], nearest[matched])
+    np.testing.assert_array_equal(one[matched], nearest[matched] + 1)
+    assert (zero[~matched] == -1).all()
+
+
+def test_paraview_files_hold_what_the_map_carries(result, folder) -> None:
+    root = ET.parse(folder / "part.vtp").getroot()  # noqa: S314  our own text
+    arrays = {array.get("Name"): array for array in root.iter("DataArray")}
+    assert {"confidence", "orientation", "error", "correspondence"} <= set(arrays)
+    raw = base64.b64decode(arrays["thickness_from_the_file"].text)[8:]
+    carried = np.frombuffer(raw, dtype="<f8")
+    expected = result.point_map.points.interpolate(result.full, result.full.fields["thickness"])
+    expected[~result.point_map.matched] = np.nan
+    np.testing.assert_allclose(carried, expected)
+
+
+def test_same_result_same_exported_bytes(exhibit) -> None:
+    kinds = ("vtp", "npz", "mat", "map", "vts")
+    assert exported(exhibit, kinds) == exported(exhibit, kinds)
+    assert scipy.io.loadmat(io.BytesIO(exported(exhibit, ["mat"])["result.mat"]))
+
+
+def test_exports_refuse_what_they_cannot_write(exhibit_of_size, exhibit) -> None:
+    with pytest.raises(OptionError, match=r"\.vts file holds a map"):
+        exported(exhibit_of_size(1, partner=None, alternatives=()), ["vts"])
+    with pytest.raises(OptionError, match="stl"):
+        exported(exhibit, ["stl"])
+
+
+def test_results_are_shown_and_plotted(result) -> None:
+    assert sherd.show is show
+    assert "<iframe" in sherd.show(result)._repr_html_()
+    image = sherd.plot(result, layer="confidence", width=500)
+    assert image.width == 500
+    with pytest.raises(OptionError, match="nonsense"):
+        sherd.plot(result, layer="nonsense")
+
+
+def test_match_stays_a_function_although_a_module_has_its_name() -> None:
+    assert callable(sherd.match)
+    assert callable(sherd.Template)
+
+
+@pytest.mark.parametrize("change", ["no file", "other format", "another run"])
+def test_folders_that_hold_no_result_are_refused(change, folder, tmp_path) -> None:
+    for file in folder.iterdir():
+        (tmp_path / file.name).write_bytes(file.read_bytes())
+    document = json.loads((tmp_path / "result.json").read_text())
+    if change == "no file":
+        (tmp_path / "result.json").unlink()
+    elif change == "other format":
+        (tmp_path / "result.json").write_text(json.dumps(document | {"format": "soup 7"}))
+    else:
+        (tmp_path / "full.ply").write_bytes(b"ply")
+    words = {"no file": "nothing was finished", "other format": "soup 7", "another run": "full.ply"}
+    with pytest.raises(InputError, match=words[change]):
+        read_exhibit(tmp_path)
