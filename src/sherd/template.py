@@ -40,9 +40,9 @@ AXIS_WIDTH = 0.012
 NEAR = 0.07
 # 1,200 labels lie 0.03 apart, below the smallest radius; 700 were too few to pin directions.
 LABEL_COUNT = 1200
-# Half the smallest radius holds a dozen vertices at this spacing; twice the usual 10,000 vertices
+# Half the smallest radius: every ball then holds a dozen vertices. Twice the usual 10,000 vertices
 # are more than answers between vertices need.
-LONGEST_EDGE = 0.016
+LONGEST_EDGE = 0.02
 MOST_VERTICES = 20_000
 # Raise when what is saved changes its meaning.
 FORMAT = 1
@@ -219,9 +219,9 @@ class Template:
             If the file is missing, damaged, or of another version of sherd.
         """
         try:
-            with np.load(Path(path), allow_pickle=False) as stored:
+            with Path(path).open("rb") as stream, np.load(stream, allow_pickle=False) as stored:
                 content: dict[str, Any] = dict(stored)
-        except (OSError, ValueError, EOFError, zipfile.BadZipFile, zlib.error) as error:
+        except (OSError, ValueError, TypeError, EOFError, zipfile.BadZipFile, zlib.error) as error:
             raise MeshFileError(f"{path}: cannot be read as a template ({error})") from error
         missing = {"format", "name", "vertices", "faces", "unit_vertices", "unit_faces", *_SAVED}
         missing -= set(content)

@@ -1,4 +1,4 @@
-"""The elastic surface: rigid motion is free, rotations are the closest, answers lie on triangles."""
+"""The elastic surface: rigid motion is free, rotations are closest, answers lie on triangles."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ def test_closest_points_agree_with_the_search_without_normals(ball: TriangleMesh
 def test_of_two_sheets_the_one_that_faces_the_right_way_is_taken() -> None:
     sheet = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]])
     mesh = TriangleMesh(
-        np.concatenate([sheet, sheet + [0, 0, 0.01]]), [[0, 1, 2], [3, 5, 4]]
+        np.concatenate([sheet, sheet + np.array([0, 0, 0.01])]), [[0, 1, 2], [3, 5, 4]]
     )
     point, up = np.array([[0.2, 0.2, 0.004]]), np.array([[0.0, 0.0, 1.0]])
     assert SurfaceFinder(mesh).closest(point, up).faces[0] == 0

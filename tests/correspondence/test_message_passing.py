@@ -16,7 +16,9 @@ def incidence(edges: np.ndarray, nodes: int) -> tuple[np.ndarray, np.ndarray]:
     return np.searchsorted(ends[order], np.arange(nodes + 1)), incident
 
 
-def total(edges: np.ndarray, costs: np.ndarray, unary: np.ndarray, labels: tuple[int, ...]) -> float:
+def total(
+    edges: np.ndarray, costs: np.ndarray, unary: np.ndarray, labels: tuple[int, ...]
+) -> float:
     pair = sum(costs[e, labels[i], labels[j]] for e, (i, j) in enumerate(edges))
     return float(pair + sum(unary[i, label] for i, label in enumerate(labels)))
 
@@ -67,7 +69,9 @@ def test_pair_costs_follow_the_formula() -> None:
     off = ((0.3 - 0.2) / 0.04) ** 2
     out = (2 - 2 * np.cos(0.9 - 0.1 - 0.5)) / 0.25
     back = (2 - 2 * np.cos(-0.4 - 0.2 + 1.0)) / 0.25
-    assert np.isclose(costs[0, 0, 0], 2.0 * (robust(off) + 0.5 * (robust(out) + robust(back))), atol=1e-4)
+    assert np.isclose(
+        costs[0, 0, 0], 2.0 * (robust(off) + 0.5 * (robust(out) + robust(back))), atol=1e-4
+    )
     # the same label twice: the length is missed, and there is no direction
     assert np.isclose(costs[0, 0, 1], 2.0 * (robust((0.2 / 0.04) ** 2) + 0.5 * 4.0), atol=1e-4)
 
@@ -78,7 +82,13 @@ def test_paths_along_the_cut_may_shrink_on_the_full_shape_but_not_grow() -> None
     none = np.zeros((2, 2), dtype=np.float32)
     measures = np.array([[0.3, 0.15, 0.0, 1.0, 0.0]])  # between 0.15 and 0.3 nothing is paid
     costs = labeling_costs(
-        np.array([[0, 1]]), measures, labels, none, none[:1], (distances, distances), (0.02, 0.1, 4.0, 0.5)
+        np.array([[0, 1]]),
+        measures,
+        labels,
+        none,
+        none[:1],
+        (distances, distances),
+        (0.02, 0.1, 4.0, 0.5),
     )
     assert costs[0, 0, 0] == 0.0
     assert costs[0, 0, 1] > 1.0

@@ -36,6 +36,7 @@ class SurfaceFinder:
     def __init__(self, mesh: TriangleMesh) -> None:
         self._mesh = mesh
         self._corners = np.ascontiguousarray(mesh.vertices[mesh.faces])
+        self._normals = mesh.face_normals
         self._tree = cKDTree(
             np.concatenate([self._corners.mean(axis=1), NORMAL_SCALE * mesh.face_normals], axis=1)
         )
@@ -47,7 +48,9 @@ class SurfaceFinder:
         near = self._tree.query(query, k=self._count)[1].reshape(len(positions), self._count)
         faces = np.empty(len(positions), dtype=np.int64)
         weights = np.empty((len(positions), 3))
-        _closest(np.ascontiguousarray(positions), near, self._corners, faces, weights)
+        away = self._normals[near] - normals[:, None]
+        penalty = NORMAL_SCALE**2 * np.einsum("pkc,pkc->pk", away, away)
+        _closest(np.ascontiguousarray(positions), near, self._corners, penalty, faces, weights)
         return SurfacePoints(faces, weights)
 
 
@@ -90,14 +93,14 @@ def _subtriangle_centers(division: int) -> Floats:
 
 
 @numba.njit(cache=True, parallel=True)
-def _closest(positions, near, corners, faces, weights):  # type: ignore[no-untyped-def]
+def _closest(positions, near, corners, penalty, faces, weights):  # type: ignore[no-untyped-def]
     """Ericson, *Real-Time Collision Detection*, 2005, section 5.1.5, over the near faces."""
     for row in numba.prange(len(positions)):
         best = np.inf
         for k in range(near.shape[1]):
             a, b, c = corners[near[row, k]]
             v, w = _closest_weights(positions[row], a, b, c)
-            distance = 0.0
+            distance = penalty[row, k]
             for x in range(3):
                 foot = a[x] + v * (b[x] - a[x]) + w * (c[x] - a[x])
                 distance += (foot - positions[row, x]) ** 2
