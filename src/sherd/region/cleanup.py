@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse import csgraph
 
-__all__ = ["clean_region", "grow_region", "pieces", "threshold_to_area"]
+__all__ = ["clean_region", "grow_region", "pieces", "raised_to_area", "threshold_to_area"]
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
@@ -76,6 +76,22 @@ def grow_region(core: Bools, distances: Floats, areas: Floats, area: float) -> B
     """
     reachable = np.where(core, -1.0, np.where(np.isfinite(distances), distances, 1e300))
     return threshold_to_area(-reachable, areas, area) | core
+
+
+def raised_to_area(membership: Floats, areas: Floats, area: float) -> Floats:
+    """`membership ** g` with g > 0 such that it integrates to `area`, or comes nearest.
+
+    A power keeps the order and the bounds of a membership (n,) in [0, 1].
+    """
+    low, high = -10.0, 10.0  # exponents of 2: beyond, every value is 0 or 1 to the eye
+    for _ in range(50):
+        middle = 0.5 * (low + high)
+        if areas @ membership ** (2.0**middle) > area:
+            low = middle
+        else:
+            high = middle
+    raised: Floats = membership ** (2.0**high)
+    return raised
 
 
 def _small(mask: Bools, areas: Floats, area: float, adjacency: sparse.csr_array) -> Bools:

@@ -17,7 +17,7 @@ from sherd.mesh import topology
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.output import Stages
 from sherd.region.automatic import REGULARITIES, chosen_regularity
-from sherd.region.cleanup import clean_region, grow_region
+from sherd.region.cleanup import clean_region, grow_region, raised_to_area
 from sherd.region.exponential import exponential_regions
 from sherd.region.full import full_region
 from sherd.region.logistic import logistic_regions
@@ -157,7 +157,7 @@ def locate_by_integrals(
         if shared < SAME_PLACE * float(full.vertex_areas[mask].sum())
     )
     return Found(
-        membership=_raised_to_area(best.membership, full.vertex_areas, min(part.area, full.area)),
+        membership=raised_to_area(best.membership, full.vertex_areas, min(part.area, full.area)),
         mask=mask,
         phase_field=best.phase_field,
         score=_score(question, best),
@@ -253,23 +253,6 @@ def _whole(
     core = clean_region(answer.membership, areas, problem.part_area, adjacency=adjacency)
     distances = geodesics.distances_to_set(np.flatnonzero(core))
     return grow_region(core, distances, areas, min(part_area, full.area))
-
-
-def _raised_to_area(membership: Floats, areas: Floats, area: float) -> Floats:
-    """`membership ** g` with g in (0, 1] such that it integrates to `area`, or comes nearest.
-
-    The membership of the interior integrates to less than the part's area; a power keeps its
-    order and bounds.
-    """
-    low, high = 0.0, 1.0
-    for _ in range(60):  # halving 60 times exhausts float64
-        middle = 0.5 * (low + high)
-        if areas @ membership**middle > area:
-            low = middle
-        else:
-            high = middle
-    raised: Floats = membership**high
-    return raised
 
 
 def _score(question: InteriorQuestion, answer: _Answer) -> float:

@@ -1,11 +1,11 @@
 """Soft matching: where could each sample of the part lie? No correspondence is decided.
 
-Every sample y of the part spreads one unit of probability p_y over the vertices x of the full
-shape. Three things shape it: the similarity of the two neighborhoods, the *context* (what lies
-around y must lie around x, as a bag of words with no order or direction), and the *capacity* (no
-place can be used twice, since the part is a piece of the full shape). The sum over the samples,
-weighted by their areas, is a membership in [0, 1] with the area of the part: the constraint of the
-paper, met before any region is drawn.
+Every sample y of the part spreads one unit of probability p_y over candidates x, vertices that
+stand for all of the full shape. Three things shape it: the similarity of the two neighborhoods, the
+*context* (what lies around y must lie around x, as a bag of words with no order or direction), and
+the *capacity* (no place can be used twice, since the part is a piece of the full shape). The sum
+over the samples, weighted by their areas, is a membership in [0, 1] with the area of the part: the
+constraint of the paper, met before any region is drawn.
 
 References
 ----------
@@ -60,11 +60,11 @@ class MatchGeometry:
     sample_distances
         (q, q) geodesic distances between the samples, inf where not connected.
     areas
-        (n,) share of each vertex in the full shape's area; sums to 1.
+        (n,) share of the full shape's area that each candidate stands for; sums to 1.
     part_fraction
         Area of the part over area of the full shape.
     eigenvalues, eigenvectors
-        (k,) and (n, k) of the full shape at area 1.
+        (k,) and, at the candidates, (n, k) of the full shape at area 1.
     """
 
     sample_areas: Floats
@@ -79,7 +79,7 @@ class MatchGeometry:
 def soft_match(
     similarity: Singles, geometry: MatchGeometry, *, forbidden: NDArray[np.bool_] | None = None
 ) -> Singles:
-    """Probability (q, n) float32 that sample y lies at vertex x; each row sums to 1.
+    """Probability (q, n) float32 that sample y lies at candidate x; each row sums to 1.
 
     Parameters
     ----------
@@ -88,7 +88,7 @@ def soft_match(
     geometry
         Areas, distances and the basis that smooths.
     forbidden
-        (n,) vertices that no sample may use; None allows all.
+        (n,) candidates that no sample may use; None allows all.
 
     Notes
     -----
@@ -109,14 +109,18 @@ def soft_match(
     return probability
 
 
-def spread(mass: Singles, geometry: MatchGeometry, width: float) -> Singles:
+def spread(
+    mass: Singles, geometry: MatchGeometry, width: float, *, onto: Singles | None = None
+) -> Singles:
     """Density (q, n) of masses (q, n) after heat flow of standard deviation `width`, never < 0.
 
-    A total mass of 1 spread evenly has density 1.
+    A total mass of 1 spread evenly has density 1. With `onto`, eigenvectors (m, k) at other
+    vertices of the same shape, the density (q, m) there.
     """
     decay = np.exp(-0.5 * width**2 * geometry.eigenvalues).astype(np.float32)
     coefficients = (mass @ geometry.eigenvectors) * decay
-    density: Singles = np.asarray(coefficients @ geometry.eigenvectors.T)
+    vectors = geometry.eigenvectors if onto is None else onto
+    density: Singles = np.asarray(coefficients @ vectors.T)
     np.maximum(density, 0.0, out=density)  # a truncated heat kernel dips below 0 far away
     return density
 

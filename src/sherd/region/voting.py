@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
 from sherd.descriptors.rotation_shot import (
     mirrored_spectra,
@@ -26,11 +27,14 @@ from sherd.region.region import Found, Placement
 from sherd.region.soft_match import CAPACITY_WIDTH, MatchGeometry, soft_match, spread
 from sherd.region.weights import chosen_weights
 from sherd.spectral.basis import EigenBasis, eigenbasis
+from sherd.spectral.sampling import farthest_point_sample_euclidean
 
 __all__ = ["locate_by_voting"]
 
 Floats = NDArray[np.float64]
 Singles = NDArray[np.float32]
+Ints = NDArray[np.int64]
+Bools = NDArray[np.bool_]
 
 # Radii of the neighborhoods, in sqrt(area of the full shape): from the smallest that holds some 40
 # vertices of a 10,000-vertex mesh to the width of a limb.
@@ -45,16 +49,20 @@ LEAST_TRUST = 0.15
 GROUP_COUNT = 32
 
 
+# Candidates lie 0.013 apart, a third of the smallest radius, so that one of them sees nearly what
+# the best vertex would see.
+CANDIDATE_COUNT = 6000
 # An alternative that shares this much of the best region's votes is the same placement.
 SAME_PLACE = 0.5
-FINAL = LogisticOptions(search_evaluations=20, survivors=1)
+# One start costs little, so the rounds may take as long as small parts with long borders need.
+FINAL = LogisticOptions(search_evaluations=20, survivors=1, round_evaluations=100)
 # Alternatives are sketches: one round instead of three.
 SKETCH = LogisticOptions(search_evaluations=20, survivors=1, crispness=(0.02,))
 
 
 @dataclass(frozen=True, eq=False)
 class Similarities:
-    """Similarity of each sample with each vertex, as it is and mirrored, (q, n) float32 each."""
+    """Similarity of each sample with each candidate, as it is and mirrored, (q, c) float32 each."""
 
     direct: Singles
     mirrored: Singles
@@ -91,16 +99,17 @@ def locate_by_voting(
         basis = eigenbasis(full, options.basis_size)
     with stages("samples"):
         samples = sample_part(part, 1.0)
-        geometry = match_geometry(full, basis, samples, fraction)
+        candidates = _candidates(full)
     with stages("descriptors"):
-        similarities = compare(full, part, samples)
+        similarities = _compared(full, part, samples, candidates)
+    poll = _Poll(full, basis, candidates, _geometry(full, basis, samples, candidates, fraction))
     with stages("votes"):
-        place = vote(similarities.direct, geometry)
+        place = poll.vote(similarities.direct)
     with stages("region"):
         drawing = _Drawing(full, basis, fraction, chosen_weights(options, basis, fraction))
         best, mask = drawing.region(place, FINAL)
     with stages("alternatives"):
-        others = _alternatives(similarities, geometry, mask, drawing)
+        others = _alternatives(similarities, poll, mask, drawing)
     return Found(
         membership=best.membership,
         mask=mask,
@@ -113,13 +122,24 @@ def locate_by_voting(
     )
 
 
-def compare(full: TriangleMesh, part: TriangleMesh, samples: PartSamples) -> Similarities:
-    """Rotation-searched SHOT of the samples against every vertex of the full shape.
+def _candidates(full: TriangleMesh) -> Ints:
+    """Vertices spread evenly over the full shape, all of them if they are few."""
+    used = np.unique(full.faces)
+    if len(used) <= CANDIDATE_COUNT:
+        return used
+    points = full.vertices[used]
+    start = int(np.linalg.norm(points - points.mean(axis=0), axis=1).argmax())
+    return used[farthest_point_sample_euclidean(points, CANDIDATE_COUNT, start=start)]
+
+
+def _compared(
+    full: TriangleMesh, part: TriangleMesh, samples: PartSamples, candidates: Ints
+) -> Similarities:
+    """Rotation-searched SHOT of the samples against the candidates.
 
     `full` has area 1 and `part` the same unit. Radii that reach over the cut count less.
     """
-    everywhere = np.arange(full.vertex_count)
-    full_spectra = _spectra(full, everywhere)
+    full_spectra = _spectra(full, candidates)
     trust = np.clip(samples.cut_distance[samples.vertices, None] / np.array(RADII), LEAST_TRUST, 1)
     part_spectra = weighted_spectra(_spectra(part, samples.vertices), trust)
     return Similarities(
@@ -128,64 +148,71 @@ def compare(full: TriangleMesh, part: TriangleMesh, samples: PartSamples) -> Sim
     )
 
 
-def match_geometry(
-    full: TriangleMesh, basis: EigenBasis, samples: PartSamples, part_fraction: float
+def _geometry(
+    full: TriangleMesh,
+    basis: EigenBasis,
+    samples: PartSamples,
+    candidates: Ints,
+    part_fraction: float,
 ) -> MatchGeometry:
     """Gather what soft matching needs; `full` and `basis` at area 1."""
     depth = samples.cut_distance[samples.vertices]
+    _, nearest = cKDTree(full.vertices[candidates]).query(full.vertices)
     return MatchGeometry(
         sample_areas=samples.areas,
         trust=np.clip(depth / RADII[1], LEAST_TRUST, 1.0),
         sample_distances=samples.distances,
-        areas=full.vertex_areas / full.area,
+        areas=np.bincount(nearest, full.vertex_areas, len(candidates)) / full.area,
         part_fraction=part_fraction,
         eigenvalues=basis.eigenvalues,
-        eigenvectors=np.ascontiguousarray(basis.eigenvectors, dtype=np.float32),
+        eigenvectors=basis.eigenvectors[candidates].astype(np.float32),
     )
 
 
-def vote(
-    similarities: Singles,
-    geometry: MatchGeometry,
-    *,
-    forbidden: NDArray[np.bool_] | None = None,
-) -> VotedPlace:
-    """Let every sample vote; `forbidden` (n,) are vertices that get none."""
-    probability = soft_match(similarities, geometry, forbidden=forbidden)
-    agreement = np.einsum("qn,qn->q", probability, similarities)
-    groups = _groups(geometry)
-    shares = np.zeros((groups.max() + 1, len(groups)))
-    shares[groups, np.arange(len(groups))] = geometry.sample_areas * geometry.part_fraction
-    mass = shares.astype(np.float32) @ probability
-    density = spread(mass, geometry, CAPACITY_WIDTH).astype(np.float64)
-    # what the clipping of the truncated heat kernel added is taken off again, group by group
-    total = np.maximum(density @ geometry.areas, 1e-30)
-    density *= (shares.sum(axis=1) / total)[:, None]
-    return VotedPlace(
-        votes=density.sum(axis=0),
-        group_votes=density.T,
-        group_areas=shares.sum(axis=1),
-        score=float(agreement @ geometry.sample_areas),
-    )
+@dataclass(frozen=True, eq=False)
+class _Poll:
+    """Lets every sample vote, and counts the votes on all vertices."""
+
+    full: TriangleMesh
+    basis: EigenBasis
+    candidates: Ints
+    geometry: MatchGeometry
+
+    def vote(self, similarities: Singles, *, forbidden: Bools | None = None) -> VotedPlace:
+        """The place of most votes; `forbidden` (n,) are vertices that get none."""
+        geometry = self.geometry
+        closed = None if forbidden is None else forbidden[self.candidates]
+        probability = soft_match(similarities, geometry, forbidden=closed)
+        agreement = np.einsum("qn,qn->q", probability, similarities)
+        groups = _groups(geometry)
+        shares = np.zeros((groups.max() + 1, len(groups)))
+        shares[groups, np.arange(len(groups))] = geometry.sample_areas * geometry.part_fraction
+        mass = shares.astype(np.float32) @ probability
+        onto = self.basis.eigenvectors.astype(np.float32)
+        density = spread(mass, geometry, CAPACITY_WIDTH, onto=onto).astype(np.float64)
+        # what the clipping of the truncated heat kernel added is taken off again, by group
+        total = np.maximum(density @ self.full.vertex_areas / self.full.area, 1e-30)
+        density *= (shares.sum(axis=1) / total)[:, None]
+        return VotedPlace(
+            votes=density.sum(axis=0),
+            group_votes=density.T,
+            group_areas=shares.sum(axis=1),
+            score=float(agreement @ geometry.sample_areas),
+        )
 
 
 def _alternatives(
-    similarities: Similarities,
-    geometry: MatchGeometry,
-    mask: NDArray[np.bool_],
-    drawing: _Drawing,
+    similarities: Similarities, poll: _Poll, mask: Bools, drawing: _Drawing
 ) -> tuple[Placement, ...]:
     """The mirrored twin and the best place outside the best region, if they are other places."""
-    candidates = [("mirrored twin", vote(similarities.mirrored, geometry), True)]
-    room = float(geometry.areas[~mask].sum())
-    if room >= geometry.part_fraction:
-        elsewhere = vote(similarities.direct, geometry, forbidden=mask)
-        candidates.append(("elsewhere", elsewhere, False))
+    areas = poll.full.vertex_areas
+    candidates = [("mirrored twin", poll.vote(similarities.mirrored), True)]
+    if areas[~mask].sum() >= drawing.part_area:
+        candidates.append(("elsewhere", poll.vote(similarities.direct, forbidden=mask), False))
     found = []
     for name, place, mirrored in candidates:
         region, outline = drawing.region(place, SKETCH)
-        shared = float(geometry.areas[mask & outline].sum())
-        if shared < SAME_PLACE * float(geometry.areas[mask].sum()):
+        if areas[mask & outline].sum() < SAME_PLACE * areas[mask].sum():
             found.append(Placement(name, region.membership, outline, place.score, mirrored))
     return tuple(sorted(found, key=lambda placement: -placement.score))
 
@@ -199,9 +226,7 @@ class _Drawing:
     part_area: float
     weights: EnergyWeights
 
-    def region(
-        self, place: VotedPlace, effort: LogisticOptions
-    ) -> tuple[LogisticRegion, NDArray[np.bool_]]:
+    def region(self, place: VotedPlace, effort: LogisticOptions) -> tuple[LogisticRegion, Bools]:
         """The logistic membership and its crisp form (n,) bool.
 
         The data term of the paper asks that each group of samples finds its whole area inside;
@@ -223,7 +248,7 @@ class _Drawing:
         return region, mask
 
 
-def _spectra(mesh: TriangleMesh, vertices: NDArray[np.int64]) -> Singles:
+def _spectra(mesh: TriangleMesh, vertices: Ints) -> Singles:
     normals = smoothed_normals(mesh, AXIS_WIDTH)
     axes = normals[vertices]
     return rotation_spectra(
@@ -237,8 +262,8 @@ def _spectra(mesh: TriangleMesh, vertices: NDArray[np.int64]) -> Singles:
     )
 
 
-def _groups(geometry: MatchGeometry) -> NDArray[np.int64]:
+def _groups(geometry: MatchGeometry) -> Ints:
     """Group of each sample: the nearest of the first samples, which lie farthest apart."""
     count = min(GROUP_COUNT, len(geometry.sample_areas))
-    nearest: NDArray[np.int64] = np.argmin(geometry.sample_distances[:count], axis=0)
+    nearest: Ints = np.argmin(geometry.sample_distances[:count], axis=0)
     return nearest
