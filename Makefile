@@ -2,7 +2,7 @@
 PYTHON ?= python3
 BIN := .venv/bin
 
-.PHONY: demo test check bench-region viewer clean
+.PHONY: demo test check docs pictures viewer clean
 
 demo: .venv/library  ## match a generated animal's fragment with the whole; needs no files
 	$(BIN)/sherd demo -o out/demo
@@ -14,6 +14,13 @@ check: .venv/development
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/mypy
+
+docs: .venv/documentation  ## build the pages into docs/_build; warnings are errors
+	$(BIN)/python -m sphinx -W --keep-going -q -b html docs docs/_build
+	@echo "open docs/_build/index.html"
+
+pictures: .venv/development  ## draw docs/images anew from the generated animal
+	$(BIN)/python docs/pictures.py
 
 viewer:  ## rebuild the page's script from viewer/ (needs Node.js)
 	cd viewer && npm ci && npm run build
@@ -31,4 +38,8 @@ clean:
 
 .venv/development: .venv/library
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e ".[plots,witness,development]"
+	touch $@
+
+.venv/documentation: .venv/library
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e ".[docs]"
 	touch $@

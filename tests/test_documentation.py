@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import re
+import runpy
 from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
 
+import sherd
 from sherd.cli.main import COMMANDS, main
 
 ROOT = Path(__file__).parents[1]
-PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
-BLOCK = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
+PAGES = [page for page in PAGES if "_build" not in page.parts]
+BLOCK = re.compile(r"^ *```([^\n`]*)\n(.*?)^ *```$", re.MULTILINE | re.DOTALL)
 
 
 def blocks(language: str) -> list[tuple[str, str]]:
@@ -32,7 +35,8 @@ def test_python_blocks_run(page: str, code: str, tmp_path, monkeypatch) -> None:
 
 @pytest.mark.parametrize(("page", "text"), blocks(""))
 def test_command_blocks_name_real_commands_and_options(page: str, text: str) -> None:
-    for line in text.splitlines():
+    lines = [part for line in text.splitlines() for part in line.split("&&")]
+    for line in lines:
         words = line.split("#")[0].split()
         if words[:1] != ["sherd"] or len(words) < 2 or words[1].startswith("-"):
             continue
@@ -56,3 +60,40 @@ def test_links_lead_somewhere() -> None:
     for page in PAGES:
         for link in re.findall(r"\]\((?!http)([^)#]+)", page.read_text(encoding="utf-8")):
             assert (page.parent / link).exists(), f"{page.name}: {link}"
+
+
+def test_every_page_is_in_the_table_of_contents() -> None:
+    docs = ROOT / "docs"
+    index = (docs / "index.md").read_text(encoding="utf-8")
+    listed = set(re.findall(r"^([\w/-]+)$", index, re.MULTILINE))
+    written = {
+        str(page.relative_to(docs).with_suffix(""))
+        for page in PAGES
+        if docs in page.parents and page.parent.name != "tables"
+    }
+    assert written - {"index"} == listed
+
+
+def test_every_public_name_has_a_place_in_the_reference() -> None:
+    page = (ROOT / "docs" / "api.md").read_text(encoding="utf-8")
+    described = set(re.findall(r"auto(?:function|class|exception):: (\w+)", page))
+    assert described == set(sherd.__all__) - {"__version__"}
+
+
+def test_pictures_are_small_and_used() -> None:
+    words = "".join(page.read_text(encoding="utf-8") for page in PAGES)
+    for picture in (ROOT / "docs" / "images").iterdir():
+        assert picture.stat().st_size < 300_000, picture.name
+        assert f"images/{picture.name}" in words, picture.name
+
+
+def test_tables_are_made_from_what_benchmarks_write() -> None:
+    program = runpy.run_path(str(ROOT / "docs" / "tables.py"))
+    total = dict.fromkeys(("mean", "flips", "coverage", "iou", "seconds"), 0.5) | {"pairs": 3}
+    lines = program["table"]("shrec16", {"remeshed": {"totals": {"cuts": total}}}).splitlines()
+    assert lines[2].startswith("| remeshed | cuts | 3 | 50.00 | 50.0% |")
+    assert len({line.count("|") for line in lines}) == 1
+    row = dict.fromkeys(("iou", "iou_mirror_forgiven", "iou_with_alternatives", "seconds"), 0.25)
+    lines = program["table"]("region", {"stored": {"rows": [row, row]}}).splitlines()
+    assert lines[2].startswith("| stored | 2 | 0.250 |")
+    assert len({line.count("|") for line in lines}) == 1

@@ -68,7 +68,7 @@ def error_layer(errors: NDArray[np.float64]) -> Layer:
         "error",
         errors,
         range=(0.0, max(ERROR_RANGE, worst)),
-        color_map="dusk",
+        color_map="ember",
         description="Distance to the ground truth in sqrt(area of the full shape).",
     )
 

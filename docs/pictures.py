@@ -1,0 +1,80 @@
+"""Draw docs/images anew from the generated animal: `make pictures`.
+
+The picture of the report needs Chromium; without one the old picture stays.
+"""
+
+from __future__ import annotations
+
+import argparse
+import shutil
+from pathlib import Path
+
+from PIL import Image
+
+import sherd
+from sherd.benchmark.metrics import GroundTruthDistances
+from sherd.cli.demo import demo_fragment
+from sherd.report.match_report import match_exhibit, match_result, write_match_report
+from sherd.report.picture import picture, stage
+from sherd.report.region_report import region_exhibit
+
+IMAGES = Path(__file__).parent / "images"
+WIDTH = 1100
+
+
+def save(image: Image.Image, name: str) -> None:
+    """Write an opaque picture, as small as PNG can be."""
+    image.convert("RGB").save(IMAGES / name, optimize=True)
+
+
+def screenshot(report: Path, name: str) -> None:
+    """Open a report in a browser, choose a point, and keep what is seen."""
+    chromium = shutil.which("chromium") or shutil.which("google-chrome")
+    if chromium is None:
+        return
+    from playwright.sync_api import sync_playwright  # noqa: PLC0415
+
+    flags = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=chromium, args=flags)
+        tab = browser.new_page(viewport={"width": 1280, "height": 860})
+        tab.goto(report.resolve().as_uri())
+        tab.evaluate("window.sherd.ready")
+        tab.evaluate("window.sherd.page.select('part', 100)")
+        tab.wait_for_timeout(1500)
+        tab.screenshot(path=str(IMAGES / name))
+        browser.close()
+    with Image.open(IMAGES / name) as image:
+        image.load()
+    save(image, name)
+
+
+def main() -> None:
+    """Match and locate the piece of the demo, and draw both answers."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("-o", "--output", type=Path, default=Path("out/pictures"), help="Reports.")
+    output = parser.parse_args().output
+    IMAGES.mkdir(exist_ok=True)
+    fragment = demo_fragment()
+    matched = sherd.match(fragment.full, fragment.mesh)
+    errors = GroundTruthDistances(fragment.full).between(fragment.truth, matched.point_map.points)
+    write_match_report(matched, output / "match")
+    write_match_report(matched, output / "truth", errors=errors)
+    located = sherd.locate(fragment.full, fragment.mesh)
+    sherd.write_region_report(located, output / "locate")
+    exhibit = match_exhibit(matched, match_result(matched), errors=errors)
+    staging = stage(exhibit)
+    drawn = {"demo": None, "confidence": "confidence", "distortion": "distortion", "error": "error"}
+    for name, layer in drawn.items():
+        image = picture(exhibit, layer=layer, width=WIDTH, heading=False, staging=staging)
+        save(image, f"{name}.png")
+    for name, layer in {"membership": "membership", "phase-field": "phase field"}.items():
+        image = picture(
+            region_exhibit(located), layer=layer, width=WIDTH, heading=False, staging=staging
+        )
+        save(image, f"{name}.png")
+    screenshot(output / "match" / "report.html", "report.png")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,73 @@
+"""Write the tables of docs/benchmark.md from bench.json files.
+
+python docs/tables.py shrec16 stored=out/stored/bench.json remeshed=out/remeshed/bench.json
+python docs/tables.py region remeshed=out/region/bench.json
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+from collections.abc import Callable
+from pathlib import Path
+from statistics import mean, median
+from typing import Any
+
+TABLES = Path(__file__).parent / "tables"
+
+SHREC16 = "| Setting | Kind | Pairs | Error x100 | Flips | Coverage | IoU | Seconds a pair |"
+REGION = "| Setting | Pairs | IoU | Mirror forgiven | Best of alternatives | Seconds (median) |"
+
+
+def shrec16_rows(setting: str, document: dict[str, Any]) -> list[str]:
+    """A row for each kind of pair from the document of `sherd bench shrec16`."""
+    return [
+        f"| {setting} | {kind} | {total['pairs']} | {100 * total['mean']:.2f} | "
+        f"{total['flips']:.1%} | {total['coverage']:.1%} | {total['iou']:.3f} | "
+        f"{total['seconds']:.1f} |"
+        for kind, total in document["totals"].items()
+    ]
+
+
+def region_rows(setting: str, document: dict[str, Any]) -> list[str]:
+    """One row from the document of `sherd bench region`."""
+    rows = document["rows"]
+    means = [
+        mean(row[name] for row in rows)
+        for name in ("iou", "iou_mirror_forgiven", "iou_with_alternatives")
+    ]
+    seconds = median(row["seconds"] for row in rows)
+    cells = " | ".join(f"{value:.3f}" for value in means)
+    return [f"| {setting} | {len(rows)} | {cells} | {seconds:.1f} |"]
+
+
+KINDS: dict[str, tuple[str, Callable[[str, dict[str, Any]], list[str]]]] = {
+    "shrec16": (SHREC16, shrec16_rows),
+    "region": (REGION, region_rows),
+}
+
+
+def table(kind: str, documents: dict[str, dict[str, Any]]) -> str:
+    """The table of one kind for documents by setting."""
+    head, rows_of = KINDS[kind]
+    rule = "|" + "---|" * (head.count("|") - 1)
+    rows = [row for setting, document in documents.items() for row in rows_of(setting, document)]
+    return "\n".join([head, rule, *rows]) + "\n"
+
+
+def main() -> None:
+    """Read the named files and write docs/tables/KIND.md."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("kind", choices=KINDS)
+    parser.add_argument("files", nargs="+", metavar="SETTING=bench.json")
+    given = parser.parse_args()
+    documents = {}
+    for entry in given.files:
+        setting, _, path = entry.partition("=")
+        documents[setting] = json.loads(Path(path).read_text(encoding="utf-8"))
+    TABLES.mkdir(exist_ok=True)
+    (TABLES / f"{given.kind}.md").write_text(table(given.kind, documents), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
