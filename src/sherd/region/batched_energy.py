@@ -45,7 +45,7 @@ class BatchedEnergy:
         self._gain = gain.astype(dtype)[:, None] if problem.evidence.any() else None
 
     def edge_weights(self, phase_fields: Floats) -> Floats:
-        """w (e, c) of phase fields (n, c)."""
+        """Edge weights w (e, c) of phase fields (n, c)."""
         weights: Floats = self._spread @ np.asarray(phase_fields**2, dtype=self.dtype)
         return weights
 

@@ -15,6 +15,9 @@ Objective = Callable[[Floats, NDArray[np.int64]], tuple[Floats, Floats]]
 
 # Nocedal and Wright 2006, section 3.1: the usual constant of sufficient decrease.
 SUFFICIENT_DECREASE = 1e-4
+# A column is also done when its quasi-Newton model promises less than this share of its value: the
+# best that float32 sums over thousands of vertices can see.
+NEGLIGIBLE_DECREASE = 1e-5
 # 2^-20 of a step: below float32 resolution of the variables, nothing further can be gained.
 MOST_HALVINGS = 20
 
@@ -34,7 +37,8 @@ class ColumnMinima:
     evaluations
         (c,) int, evaluations spent on the column.
     converged
-        (c,) bool, gradient norm within the tolerance.
+        (c,) bool, gradient norm within the tolerance, or half the quasi-Newton decrement below
+        1e-5 of the value.
     stalled
         (c,) bool, no step lowered the value any more.
     """
@@ -67,7 +71,7 @@ def minimize_columns(
     evaluations
         Evaluations per column at most.
     tolerance
-        A column is done when its gradient norm is at most this.
+        A column is done when its gradient norm is at most this, or nothing is left to gain.
     memory
         Correction pairs kept per column.
 
@@ -108,7 +112,11 @@ def minimize_columns(
         slopes[:, taken] = found_slopes[:, good]
         direction[:, taken] = history.direction(slopes[:, taken], taken)
         step[taken], halvings[taken] = 1.0, 0
-        converged[taken] = np.linalg.norm(slopes[:, taken], axis=0) <= tolerance
+        promised = -0.5 * (slopes[:, taken] * direction[:, taken]).sum(axis=0)
+        negligible = promised <= NEGLIGIBLE_DECREASE * np.abs(values[taken])
+        # the model means nothing before the memory has seen the curvature
+        converged[taken] = negligible & (used[taken] > memory)
+        converged[taken] |= np.linalg.norm(slopes[:, taken], axis=0) <= tolerance
         step[missed] *= 0.5
         halvings[missed] += 1
         stalled[missed] = halvings[missed] > MOST_HALVINGS

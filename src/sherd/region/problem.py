@@ -108,7 +108,7 @@ class RegionProblem:
 
     @property
     def vertex_count(self) -> int:
-        """n."""
+        """Number of vertices, n."""
         return len(self.vertex_areas)
 
     @property

@@ -222,7 +222,7 @@ class _Bordered:
         self._core = core
 
     def solve(self, right: Floats, target: float) -> tuple[Floats, float]:
-        """x and nu; `target` is the value of `a_F x`."""
+        """Solution x and multiplier nu; `target` is the value of `a_F x`."""
         plain = self._factor.solve(right)
         if self._border.shape[1] == 0:
             return plain, 0.0
