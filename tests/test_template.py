@@ -18,7 +18,11 @@ def shape() -> TriangleMesh:
     ball = trimesh.creation.icosphere(subdivisions=3)
     x, y, z = ball.vertices.T
     stretched = ball.vertices * [1.0, 1.3, 1.9]
-    return TriangleMesh(stretched * (1 + 0.2 * x + 0.1 * y + 0.15 * z + 0.1 * y * z)[:, None], ball.faces, name="egg")
+    return TriangleMesh(
+        stretched * (1 + 0.2 * x + 0.1 * y + 0.15 * z + 0.1 * y * z)[:, None],
+        ball.faces,
+        name="egg",
+    )
 
 
 @pytest.fixture(scope="module")

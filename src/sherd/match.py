@@ -23,6 +23,7 @@ from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.mesh.validate import frozen
 from sherd.output import Stages
+from sherd.region.coverage import covered_region
 from sherd.template import Template
 
 __all__ = [
@@ -270,11 +271,14 @@ def match(
         features = confidence_features(data, queries, best, other)
         answers = (best.points, matched_vertices(features), confidences(features))
         point_map = _for_all(part, kept_vertices, *answers)
+    with stages("region"):
+        area = float(part.vertex_areas @ point_map.matched) * scale**2 / template.full.area
+        membership, mask = covered_region(template.placed, best.mask, area)
     return MatchResult(
         full=template.full,
         part=part,
         point_map=point_map,
-        region=MatchRegion(_read_only(best.mask), _read_only(best.mask.astype(np.float64))),
+        region=MatchRegion(_read_only(mask), _read_only(membership)),
         alternatives=_alternatives(part, kept_vertices, best, twin),
         scale=scale,
         scores=MappingProxyType(

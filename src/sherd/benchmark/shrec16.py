@@ -53,7 +53,7 @@ THRESHOLDS = np.round(np.linspace(0.0, 0.25, 51), 3)
 NEAR = 0.05
 # A pair whose mean error is above this is a bad one.
 BAD = 0.10
-# A vertex is flipped if its answer is nearer to the mirror map than to the truth, by a clear margin.
+# A vertex is flipped if its answer is clearly nearer to the mirror map than to the truth.
 FLIP_MARGIN = 0.02
 CONFIDENCE_BINS = 10
 
@@ -111,8 +111,8 @@ class MatchRow:
     curve
         Share of errors at most each of `THRESHOLDS`.
     confidence
-        Ten triples: number of vertices by tenth of confidence, their mean confidence, their share of
-        errors below 0.05.
+        Ten triples: number of vertices by tenth of confidence, their mean confidence, their
+        share of errors below 0.05.
     scale_error
         Estimated over true scale; 1 where the scale was known.
     score, twin_score, status
@@ -232,8 +232,8 @@ def shrec16_table(rows: list[MatchRow]) -> str:
     for kind in sorted({row.kind for row in rows}):
         total = _total([row for row in rows if row.kind == kind])
         lines.append(
-            f"{kind}: {total['pairs']} pairs, mean error x100 {100 * total['mean']:.2f}, region IoU "
-            f"{total['iou']:.3f} (vertices {total['iou_vertices']:.3f}), bad pairs "
+            f"{kind}: {total['pairs']} pairs, mean error x100 {100 * total['mean']:.2f}, "
+            f"region IoU {total['iou']:.3f} (vertices {total['iou_vertices']:.3f}), bad pairs "
             f"{total['bad_pairs']}, flips {total['flips']:.1%}, coverage {total['coverage']:.1%}, "
             f"calibration error {total['calibration_error']:.3f}, {total['seconds']:.1f} s a pair"
         )

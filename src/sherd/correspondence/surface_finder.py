@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from sherd.mesh.closest_kernel import closest_on_faces
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
 
@@ -50,7 +50,8 @@ class SurfaceFinder:
         weights = np.empty((len(positions), 3))
         away = self._normals[near] - normals[:, None]
         penalty = NORMAL_SCALE**2 * np.einsum("pkc,pkc->pk", away, away)
-        _closest(np.ascontiguousarray(positions), near, self._corners, penalty, faces, weights)
+        places = np.ascontiguousarray(positions)
+        closest_on_faces(places, near, self._corners, penalty, faces, weights)
         return SurfacePoints(faces, weights)
 
 
@@ -90,53 +91,3 @@ def _subtriangle_centers(division: int) -> Floats:
                 rows.append((i + 2 / 3, j + 2 / 3))
     first = np.array(rows) / division
     return np.concatenate([first, 1 - first.sum(axis=1, keepdims=True)], axis=1)
-
-
-@numba.njit(cache=True, parallel=True)
-def _closest(positions, near, corners, penalty, faces, weights):  # type: ignore[no-untyped-def]
-    """Ericson, *Real-Time Collision Detection*, 2005, section 5.1.5, over the near faces."""
-    for row in numba.prange(len(positions)):
-        best = np.inf
-        for k in range(near.shape[1]):
-            a, b, c = corners[near[row, k]]
-            v, w = _closest_weights(positions[row], a, b, c)
-            distance = penalty[row, k]
-            for x in range(3):
-                foot = a[x] + v * (b[x] - a[x]) + w * (c[x] - a[x])
-                distance += (foot - positions[row, x]) ** 2
-            if distance < best:
-                best = distance
-                faces[row] = near[row, k]
-                weights[row, 0], weights[row, 1], weights[row, 2] = 1.0 - v - w, v, w
-
-
-@numba.njit(cache=True)
-def _closest_weights(p, a, b, c):  # type: ignore[no-untyped-def]  # noqa: PLR0911
-    """Weights of b and c at the point of the triangle closest to p."""
-    d1 = d2 = d3 = d4 = d5 = d6 = 0.0
-    for x in range(3):
-        ab, ac = b[x] - a[x], c[x] - a[x]
-        d1 += ab * (p[x] - a[x])
-        d2 += ac * (p[x] - a[x])
-        d3 += ab * (p[x] - b[x])
-        d4 += ac * (p[x] - b[x])
-        d5 += ab * (p[x] - c[x])
-        d6 += ac * (p[x] - c[x])
-    if d1 <= 0.0 and d2 <= 0.0:
-        return 0.0, 0.0
-    if d3 >= 0.0 and d4 <= d3:
-        return 1.0, 0.0
-    if d6 >= 0.0 and d5 <= d6:
-        return 0.0, 1.0
-    vc = d1 * d4 - d3 * d2
-    if vc <= 0.0 and d1 >= 0.0 and d3 <= 0.0:
-        return d1 / max(d1 - d3, 1e-300), 0.0
-    vb = d5 * d2 - d1 * d6
-    if vb <= 0.0 and d2 >= 0.0 and d6 <= 0.0:
-        return 0.0, d2 / max(d2 - d6, 1e-300)
-    va = d3 * d6 - d5 * d4
-    if va <= 0.0 and d4 >= d3 and d5 >= d6:
-        w = (d4 - d3) / max((d4 - d3) + (d5 - d6), 1e-300)
-        return 1.0 - w, w
-    total = max(va + vb + vc, 1e-300)
-    return vb / total, vc / total

@@ -1,0 +1,110 @@
+"""The SHREC'16 benchmark of match: its measures, its files, its resumption."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+
+from sherd.benchmark import shrec16
+from sherd.benchmark.metrics import (
+    GroundTruthDistances,
+    cumulative_curve,
+    region_overlap,
+    vertex_mask,
+)
+from sherd.benchmark.shrec16 import BenchmarkSettings, shrec16_benchmark, shrec16_table
+from sherd.errors import OptionError
+from sherd.mesh.files import write_mesh
+from sherd.mesh.surface_points import SurfacePoints, closest_points, points_at_vertices
+from sherd.mesh.triangle_mesh import TriangleMesh
+from sherd.shapes.creature import creature
+from sherd.shapes.fragment import Fragment, cut_by_ball, whole
+
+
+@pytest.fixture(scope="module")
+def sphere() -> TriangleMesh:
+    ball = trimesh.creation.icosphere(subdivisions=4)
+    return TriangleMesh(ball.vertices, ball.faces)
+
+
+def test_distances_are_great_circles_and_subvertex(sphere: TriangleMesh) -> None:
+    rng = np.random.default_rng(0)
+    directions = rng.normal(size=(40, 2, 3))
+    directions /= np.linalg.norm(directions, axis=2, keepdims=True)
+    directions[:10, 1] = directions[:10, 0] + 0.02 * directions[:10, 1]
+    directions /= np.linalg.norm(directions, axis=2, keepdims=True)
+    first, second = (closest_points(sphere, directions[:, k]) for k in range(2))
+    found = GroundTruthDistances(sphere).between(first, second) * sphere.length
+    angle = np.arccos(np.clip((directions[:, 0] * directions[:, 1]).sum(axis=1), -1, 1))
+    assert np.abs(found - angle).max() < 0.05
+    assert np.abs(found - angle)[:10].max() < 0.001
+    assert (GroundTruthDistances(sphere).between(first, first) == 0).all()
+
+
+def test_overlap_and_curve_by_hand(sphere: TriangleMesh) -> None:
+    upper, right = sphere.vertices[:, 2] > 0, sphere.vertices[:, 0] > 0
+    assert region_overlap(sphere, upper, upper) == 1.0
+    assert abs(region_overlap(sphere, upper, right) - 1 / 3) < 0.02
+    assert np.isnan(region_overlap(sphere, upper & False, upper & False))
+    hit = vertex_mask(sphere, points_at_vertices(sphere, [3, 5]))
+    assert np.flatnonzero(hit).tolist() == [3, 5]
+    errors = np.array([0.0, 0.1, 0.2, 0.3])
+    assert cumulative_curve(errors, np.array([0.0, 0.15, 0.3])).tolist() == [0.25, 0.5, 1.0]
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A data set in the layout of SHREC'16, with one part of a generated animal."""
+    home = tmp_path_factory.mktemp("data")
+    full = creature(5_000)
+    posed = whole(creature(5_000, pose="walk"), full)
+    part = cut_by_ball(posed, 50, 0.35 * full.length)
+    (home / "null").mkdir()
+    (home / "cuts").mkdir()
+    write_mesh(full, home / "null" / "animal.off")
+    name = home / "cuts" / "cuts_animal_shape_1.off"
+    write_mesh(part.mesh, name)
+    _write_truth(name.with_suffix(".baryc_gt"), part)
+    return home
+
+
+def _write_truth(path: Path, part: Fragment) -> None:
+    truth: SurfacePoints = part.truth
+    table = np.column_stack([truth.faces + 1, truth.barycentric])
+    np.savetxt(path, table, fmt=["%d", "%.12f", "%.12f", "%.12f"])
+
+
+def test_a_run_measures_writes_and_resumes(
+    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    settings = BenchmarkSettings(kinds=("cuts",), rotate=True)
+    rows = shrec16_benchmark(folder, output=tmp_path, settings=settings)
+    assert [row.pair for row in rows] == ["cuts_animal_shape_1"]
+    assert rows[0].mean < 0.02
+    assert rows[0].iou > 0.9
+    assert np.isnan(rows[0].flips)  # no mirror map was given
+    document = json.loads((tmp_path / "bench.json").read_text())
+    assert document["totals"]["cuts"]["pairs"] == 1
+    assert document["settings"]["rotate"] is True
+    assert "cuts: 1 pairs" in shrec16_table(rows)
+
+    def refuse(*_: object) -> None:
+        raise AssertionError("measured again")
+
+    monkeypatch.setattr(shrec16, "_measured", refuse)
+    again = shrec16_benchmark(folder, output=tmp_path, settings=settings)
+    assert again[0].mean == rows[0].mean
+    # other settings are another measurement
+    with pytest.raises(AssertionError, match="measured again"):
+        shrec16_benchmark(folder, output=tmp_path, settings=BenchmarkSettings(kinds=("cuts",)))
+
+
+def test_wrong_settings_are_refused(folder: Path, tmp_path: Path) -> None:
+    with pytest.raises(OptionError, match="kinds"):
+        BenchmarkSettings(kinds=("scans",))
+    with pytest.raises(OptionError, match="jobs is 0"):
+        shrec16_benchmark(folder, output=tmp_path, jobs=0)
