@@ -16,6 +16,8 @@ from numpy.typing import NDArray
 from sherd.descriptors.rotation_shot import rotation_spectra
 from sherd.descriptors.tangent_frames import geodesic_directions, smoothed_normals, tangent_axes
 from sherd.errors import MeshFileError
+from sherd.mesh.surface_finder import SurfaceFinder
+from sherd.mesh.surface_points import SurfacePoints, closest_points
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.output import write_bytes
 from sherd.spectral.basis import EigenBasis, eigenbasis
@@ -102,6 +104,22 @@ class Template:
     def unit(self) -> TriangleMesh:
         """The working mesh: the placed shape, meshed anew if it is large or uneven."""
         return working_mesh(self.placed)
+
+    @cached_property
+    def own_vertices(self) -> SurfacePoints | None:
+        """Where the vertices of `placed` lie on `unit`; None if they are the same mesh."""
+        same = self.unit is self.placed or np.array_equal(self.unit.faces, self.placed.faces)
+        return None if same else closest_points(self.unit, self.placed.vertices)
+
+    @cached_property
+    def finder(self) -> SurfaceFinder:
+        """Closest points on the unit shape."""
+        return SurfaceFinder(self.unit)
+
+    @cached_property
+    def own_finder(self) -> SurfaceFinder:
+        """Closest points on the placed shape, whose faces the user counts."""
+        return self.finder if self.own_vertices is None else SurfaceFinder(self.placed)
 
     @property
     def length(self) -> float:

@@ -16,9 +16,9 @@ from scipy.spatial import cKDTree
 
 from sherd.correspondence.elastic import fit_rotations, relax_positions, softened, strains
 from sherd.correspondence.part_data import PartData
-from sherd.correspondence.surface_finder import SurfaceFinder
 from sherd.descriptors.rotation_shot import similarity_at
 from sherd.mesh.geometry import vertex_normals
+from sherd.mesh.surface_finder import SurfaceFinder
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.spectral.operators import stiffness
 from sherd.template import Template

@@ -1,13 +1,11 @@
-"""Closest points of a surface on faces that look the same way; what a laid part covers."""
+"""What a laid part covers of the full shape."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
-from sherd.mesh.closest_kernel import closest_on_faces
-from sherd.mesh.surface_points import SurfacePoints
+from sherd.mesh.surface_finder import SurfaceFinder
 from sherd.mesh.triangle_mesh import TriangleMesh
 
 __all__ = ["SurfaceFinder", "covered_vertices"]
@@ -15,44 +13,9 @@ __all__ = ["SurfaceFinder", "covered_vertices"]
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-# A normal that differs by a right angle counts like 0.04 of distance: other sheets stay away.
-NORMAL_SCALE = 0.03
-# Faces searched around each position; exact where triangles are not much longer than wide.
-NEAR_FACES = 12
 # Samples per vertex area: the covered share of a vertex is known to a tenth.
 SAMPLES = 12
 MOST_DIVISIONS = 16
-
-
-class SurfaceFinder:
-    """Closest points of a mesh of area near 1, on faces that look the same way.
-
-    Parameters
-    ----------
-    mesh
-        The surface, in the template's unit.
-    """
-
-    def __init__(self, mesh: TriangleMesh) -> None:
-        self._mesh = mesh
-        self._corners = np.ascontiguousarray(mesh.vertices[mesh.faces])
-        self._normals = mesh.face_normals
-        self._tree = cKDTree(
-            np.concatenate([self._corners.mean(axis=1), NORMAL_SCALE * mesh.face_normals], axis=1)
-        )
-        self._count = min(NEAR_FACES, mesh.face_count)
-
-    def closest(self, positions: Floats, normals: Floats) -> SurfacePoints:
-        """The closest point to each position (p, 3) whose surface has normal (p, 3)."""
-        query = np.concatenate([positions, NORMAL_SCALE * normals], axis=1)
-        near = self._tree.query(query, k=self._count)[1].reshape(len(positions), self._count)
-        faces = np.empty(len(positions), dtype=np.int64)
-        weights = np.empty((len(positions), 3))
-        away = self._normals[near] - normals[:, None]
-        penalty = NORMAL_SCALE**2 * np.einsum("pkc,pkc->pk", away, away)
-        places = np.ascontiguousarray(positions)
-        closest_on_faces(places, near, self._corners, penalty, faces, weights)
-        return SurfacePoints(faces, weights)
 
 
 def covered_vertices(
