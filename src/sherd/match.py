@@ -44,8 +44,8 @@ Bools = NDArray[np.bool_]
 LARGEST_PART = 1.3
 # A twin whose score is this close to the best could be the right one without its handedness.
 PLAUSIBLE = 0.1
-# Below this score a random part of another shape would do as well.
-POOR = 0.45
+# When answers are promised to be near for fewer than half of the vertices, another shape would do.
+POOR = 0.5
 
 
 class MatchStatus(Enum):
@@ -284,10 +284,15 @@ def match(
         scores=MappingProxyType(
             {"best": best.score, "other": other.score, "mirrored twin": twin.hypothesis.score}
         ),
-        status=MatchStatus.GOOD if best.score > POOR else MatchStatus.DOUBTFUL,
+        status=_status(point_map),
         timings=MappingProxyType(dict(stages.seconds)),
         options=options,
     )
+
+
+def _status(point_map: PointMap) -> MatchStatus:
+    sure = float(point_map.confidence[point_map.matched].mean()) if point_map.matched.any() else 0.0
+    return MatchStatus.GOOD if sure > POOR else MatchStatus.DOUBTFUL
 
 
 def _without_ignored(

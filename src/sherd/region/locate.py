@@ -5,16 +5,14 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from sherd._version import __version__
 from sherd.errors import InfeasibleError
-from sherd.mesh.surface_points import closest_points
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.output import Stages
-from sherd.region.cleanup import raised_to_area, threshold_to_area
 from sherd.region.integral_matching import locate_by_integrals
+from sherd.region.lift import Lift
 from sherd.region.options import LocateOptions
 from sherd.region.problem import LARGEST_AREA_RATIO
 from sherd.region.region import Placement, Region
@@ -22,9 +20,6 @@ from sherd.region.voting import locate_by_voting
 from sherd.template import working_mesh
 
 __all__ = ["locate"]
-
-Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
 
 
 def locate(
@@ -83,7 +78,7 @@ def locate(
     with threadpool_limits(limits=1, user_api="blas"):
         found = method(unit_full, unit_part, options, stages)
     with stages("numbering"):
-        lift = _Lift(unit_full, placed, min(part.area / full.area, 1.0))
+        lift = Lift(unit_full, placed, min(part.area / full.area, 1.0))
         membership, mask = lift.region(found.membership, found.mask)
         alternatives = tuple(
             Placement(
@@ -111,32 +106,6 @@ def locate(
         timings=dict(stages.seconds),
         version=__version__,
     )
-
-
-class _Lift:
-    """Values on the working mesh, seen on the vertices of the mesh it was made from."""
-
-    def __init__(self, work: TriangleMesh, placed: TriangleMesh, area: float) -> None:
-        self._placed = placed
-        self._area = area
-        self._work = work
-        same = work is placed
-        self._points = None if same else closest_points(work, placed.vertices)
-
-    def values(self, values: Floats) -> Floats:
-        if self._points is None:
-            return values
-        return np.clip(self._points.interpolate(self._work, values), 0.0, 1.0)
-
-    def region(self, membership: Floats, mask: Bools) -> tuple[Floats, Bools]:
-        """Membership and mask of the area of the part."""
-        if self._points is None:
-            return membership, mask
-        inside = self._points.interpolate(self._work, mask.astype(np.float64))
-        areas = self._placed.vertex_areas
-        # interpolation changes the integral by the curvature of the mesh; a power puts it right
-        lifted = raised_to_area(self.values(membership), areas, self._area)
-        return lifted, threshold_to_area(inside + 1e-3 * lifted, areas, self._area)
 
 
 def _check_areas(full: TriangleMesh, part: TriangleMesh) -> None:
