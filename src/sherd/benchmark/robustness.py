@@ -23,7 +23,7 @@ from typing import Literal
 from sherd._version import __version__
 from sherd.output import write_text
 
-__all__ = ["RobustnessRow", "check_command", "robustness"]
+__all__ = ["RobustnessRow", "check_command", "robustness", "robustness_commands"]
 
 Command = Callable[[Path, Path], list[str]]
 Verdict = Literal["done", "refused", "failed"]
@@ -72,6 +72,30 @@ def check_command(mesh: Path, output: Path) -> list[str]:
     """Arguments of a process that checks `mesh` and writes it repaired into `output`."""
     repaired = str(output / "repaired.ply")
     return [sys.executable, "-m", "sherd", "check", str(mesh), "--repair", repaired]
+
+
+def robustness_commands(full: Path, part: Path) -> dict[str, Command]:
+    """Commands by name: check; locate and match with the file as the part, and as the full shape.
+
+    Parameters
+    ----------
+    full, part
+        Files of a good pair, the other half of each question.
+    """
+    commands: dict[str, Command] = {"check": check_command}
+    sherd = [sys.executable, "-m", "sherd"]
+    for name in ("locate", "match"):
+        start = [*sherd, name, "-q"]
+
+        def as_part(mesh: Path, out: Path, start: list[str] = start) -> list[str]:
+            return [*start, str(full), str(mesh), "-o", str(out)]
+
+        def as_full(mesh: Path, out: Path, start: list[str] = start) -> list[str]:
+            return [*start, str(mesh), str(part), "-o", str(out)]
+
+        commands[f"{name} as part"] = as_part
+        commands[f"{name} as full shape"] = as_full
+    return commands
 
 
 def robustness(

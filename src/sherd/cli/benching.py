@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 import tempfile
 from pathlib import Path
 
@@ -10,7 +9,7 @@ import click
 
 from sherd.benchmark.paper import paper_figures, paper_summary
 from sherd.benchmark.region import region_benchmark, region_table
-from sherd.benchmark.robustness import RobustnessRow, check_command, robustness
+from sherd.benchmark.robustness import RobustnessRow, robustness, robustness_commands
 from sherd.benchmark.shrec16 import (
     BenchmarkSettings,
     shrec16_benchmark,
@@ -132,16 +131,21 @@ def shrec16_command(
 @click.argument("directory", type=click.Path(path_type=Path, exists=True, file_okay=False))
 @click.option("-o", "--output", type=click.Path(path_type=Path), required=True, help="Folder.")
 @click.option("--seconds", type=float, default=60.0, show_default=True, help="Limit for one run.")
-def robustness_command(directory: Path, *, output: Path, seconds: float) -> int:
-    """Run every file of a folder through check and locate, as full shape and as part.
+@click.option(
+    "--command",
+    "chosen",
+    type=click.Choice(["check", "locate", "match"]),
+    multiple=True,
+    help="All three if none.",
+)
+def robustness_command(
+    directory: Path, *, output: Path, seconds: float, chosen: tuple[str, ...]
+) -> int:
+    """Run every file of a folder through check, locate and match, as full shape and as part.
 
     Writes robustness.csv and robustness.json: file, what was wrong, what sherd said. Exit code 70
     if any run ended in a traceback, a hang, a wrong exit code or a broken output.
-
-    \b
-    Example:
-      sherd bench robustness bad_meshes/ -o robustness/
-    """  # noqa: D301
+    """
     failures = 0
 
     def tell(row: RobustnessRow) -> None:
@@ -155,16 +159,12 @@ def robustness_command(directory: Path, *, output: Path, seconds: float) -> int:
         full, part = Path(scratch) / "animal.ply", Path(scratch) / "head.ply"
         write_mesh(animal, full)
         write_mesh(cut_by_ball(whole(animal, animal), 0, 0.3).mesh, part)
-        sherd = [sys.executable, "-m", "sherd"]
+        names = chosen or ("check", "locate", "match")
         commands = {
-            "check": check_command,
-            "locate as part": lambda mesh, out: [
-                *sherd, "locate", str(full), str(mesh), "-o", str(out)
-            ],
-            "locate as full shape": lambda mesh, out: [
-                *sherd, "locate", str(mesh), str(part), "-o", str(out)
-            ],
-        }  # fmt: skip
+            name: command
+            for name, command in robustness_commands(full, part).items()
+            if name.split()[0] in names
+        }
         rows = robustness(directory, output, commands=commands, seconds=seconds, progress=tell)
     click.echo(f"{len(rows)} runs, {failures} failed; the table is in {output}")
     return INTERNAL if failures else 0
