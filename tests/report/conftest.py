@@ -7,6 +7,8 @@ import pytest
 import trimesh
 from scipy.spatial.transform import Rotation
 
+from sherd.correspondence.point_map import PointMap
+from sherd.match import Alternative, MatchOptions, MatchRegion, MatchResult, MatchStatus
 from sherd.mesh.surface_points import points_at_vertices
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.report.colors import correspondence_layer
@@ -82,3 +84,35 @@ def exhibit() -> Exhibit:
 def exhibit_of_size():
     """The same shapes in other resolutions and with other words."""
     return make_exhibit
+
+
+def make_match(exhibit: Exhibit) -> MatchResult:
+    """The exact match of the half with a field on the full shape, and its twin."""
+    points, known = exhibit.partner.points, exhibit.partner.known
+    thickness = np.linspace(1, 2, exhibit.full.vertex_count)
+    full = TriangleMesh(
+        exhibit.full.vertices, exhibit.full.faces, fields={"thickness": thickness}, name="w.ply"
+    )
+    mask = np.asarray(exhibit.region)
+    twin = Alternative(
+        "mirrored twin", exhibit.alternatives[0].partner.points, ~mask, 0.8, mirrored=True
+    )
+    return MatchResult(
+        full=full,
+        part=exhibit.part,
+        point_map=PointMap(points.faces, points.barycentric, known, exhibit.partner.confidence),
+        region=MatchRegion(mask, exhibit.full_layers[0].values),
+        alternatives=(twin,),
+        scale=1.0,
+        scores={"best": 0.9},
+        status=MatchStatus.GOOD,
+        options=MatchOptions(),
+        timings={},
+        version="1",
+    )
+
+
+@pytest.fixture(scope="session")
+def match_result_of():
+    """Build the result of a match from an exhibit."""
+    return make_match

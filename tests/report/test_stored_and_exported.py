@@ -15,8 +15,7 @@ from PIL import Image
 import sherd
 from sherd.correspondence.point_map import PointMap
 from sherd.errors import InputError, OptionError
-from sherd.match import MatchOptions, MatchRegion, MatchResult, MatchStatus
-from sherd.mesh.triangle_mesh import TriangleMesh
+from sherd.match import MatchResult
 from sherd.report.exports import exported
 from sherd.report.match_report import match_exhibit, match_result, write_match_report
 from sherd.report.notebook import exhibit_of, plot, show
@@ -24,26 +23,8 @@ from sherd.report.stored_exhibit import read_exhibit
 
 
 @pytest.fixture(scope="module")
-def result(exhibit) -> MatchResult:
-    """The exact match of the half, with one vertex put where it turns its faces over."""
-    points, known = exhibit.partner.points, exhibit.partner.known
-    thickness = np.linspace(1, 2, exhibit.full.vertex_count)
-    full = TriangleMesh(
-        exhibit.full.vertices, exhibit.full.faces, fields={"thickness": thickness}, name="w.ply"
-    )
-    return MatchResult(
-        full=full,
-        part=exhibit.part,
-        point_map=PointMap(points.faces, points.barycentric, known, exhibit.partner.confidence),
-        region=MatchRegion(np.asarray(exhibit.region), exhibit.full_layers[0].values),
-        alternatives=(),
-        scale=1.0,
-        scores={"best": 0.9},
-        status=MatchStatus.GOOD,
-        options=MatchOptions(),
-        timings={},
-        version="1",
-    )
+def result(match_result_of, exhibit) -> MatchResult:
+    return match_result_of(exhibit)
 
 
 @pytest.fixture(scope="module")

@@ -100,7 +100,8 @@ class Page {
       const changed = meta.layers.map((layer) => readLayer(layer, this.read));
       const layers = this.own.full.map((layer) => changed.find((other) => other.name === layer.name) ?? layer);
       const partner = readPartner(meta.partner, this.read, this.shapes.full);
-      this.placements[index] = { layers, partner, carried: {} };
+      const partLayers = meta.partLayers.map((layer) => readLayer(layer, this.read));
+      this.placements[index] = { layers, partLayers, partner, carried: {} };
     }
     return this.placements[index];
   }
@@ -109,7 +110,8 @@ class Page {
     const place = this.placement();
     const full = place.layers.find((layer) => layer.name === name) ?? null;
     if (side === "full") return full;
-    const own = this.own.part.find((layer) => layer.name === name);
+    const named = (layer) => layer.name === name;
+    const own = place.partLayers.find(named) ?? this.own.part.find(named);
     if (own) return own;
     if (!full || !full.carried || !place.partner) return null;
     place.carried[name] ??= carriedLayer(full, this.shapes.full, place.partner);
@@ -215,10 +217,12 @@ class Page {
     });
     const pairs = [];
     if (this.state.anchors) {
+      // anchors belong to the best placement; another one leads the same points elsewhere
+      const { partner } = this.placement();
       for (const [part, full] of this.anchors) {
-        pairs.push(ends("anchor", {
-          part: { point: vertexPoint(this.shapes.part, part) }, full: { point: vertexPoint(this.shapes.full, full) },
-        }));
+        const end = this.state.placement === 0
+          ? { point: vertexPoint(this.shapes.full, full) } : toFull(partner, this.shapes.full, part);
+        if (end) pairs.push(ends("anchor", { part: { point: vertexPoint(this.shapes.part, part) }, full: end }));
       }
     }
     for (const kind of ["pinned", "hover"]) {

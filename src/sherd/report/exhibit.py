@@ -165,6 +165,8 @@ class Placement:
         One sentence.
     full_layers
         Layers that replace those of the exhibit that have the same name.
+    part_layers
+        The same for the part: what is true of one map is not true of another.
     partner
         The map of this placement, if there is one.
     """
@@ -174,6 +176,7 @@ class Placement:
     description: str = ""
     full_layers: tuple[Layer, ...] = ()
     partner: Partner | None = None
+    part_layers: tuple[Layer, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -257,7 +260,11 @@ class Exhibit:
         object.__setattr__(self, "region", frozen(region))
 
     def _layers_and_meshes(self) -> list[tuple[tuple[Layer, ...], TriangleMesh]]:
-        placed = [(tuple(place.full_layers), self.full) for place in self.alternatives]
+        placed = [
+            (tuple(layers), mesh)
+            for place in self.alternatives
+            for layers, mesh in ((place.full_layers, self.full), (place.part_layers, self.part))
+        ]
         return [(self.full_layers, self.full), (self.part_layers, self.part), *placed]
 
     def _check_partner(self, partner: Partner | None) -> None:

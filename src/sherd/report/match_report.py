@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sherd.match import MatchResult
+from sherd.match import Alternative, MatchResult
+from sherd.mesh.surface_points import SurfacePoints
 from sherd.output import ResultFolder
 from sherd.report.colors import correspondence_layer, part_layer
 from sherd.report.exhibit import Exhibit, Layer, Partner, Placement
@@ -177,22 +178,36 @@ def match_exhibit(
         anchors=_anchors(result),
         score=result.scores["best"],
         score_name="similarity of neighborhoods minus strain, 1 is best",
-        alternatives=tuple(
-            Placement(
-                name=other.name,
-                score=other.score,
-                description="What a mirror image of the part would match."
-                if other.mirrored
-                else "Another placement.",
-                full_layers=(known_layer("region", other.mask),),
-                partner=Partner(other.points),
-            )
-            for other in result.alternatives
-        ),
+        alternatives=tuple(_placement(result, other, errors) for other in result.alternatives),
         summary=_sentences(result, document),
         facts=facts,
         command=str(document["command"]),
         region=result.region.mask,
+    )
+
+
+def _placement(result: MatchResult, other: Alternative, errors: Floats | None) -> Placement:
+    """An alternative; what was found for the best map only is unknown for this one."""
+    unknown = np.full(result.part.vertex_count, np.nan)
+    undecided = np.full(result.part.vertex_count, -1)
+    return Placement(
+        name=other.name,
+        score=other.score,
+        description="What a mirror image of the part would match."
+        if other.mirrored
+        else "Another placement.",
+        full_layers=(
+            known_layer("region", other.mask),
+            known_layer("membership", other.mask),
+        ),
+        partner=Partner(other.points),
+        part_layers=(
+            known_layer("confidence", unknown),
+            Layer("matched", undecided, "category", description="Not decided for this placement."),
+            known_layer("distortion", _distortion(result, other.points)),
+            known_layer("orientation", _orientation(result, other.points)),
+            *(() if errors is None else (error_layer(unknown),)),
+        ),
     )
 
 
@@ -214,16 +229,16 @@ def _part_layers(result: MatchResult, errors: Floats | None) -> tuple[Layer, ...
     return (
         known_layer("confidence", result.point_map.confidence),
         known_layer("matched", result.point_map.matched),
-        known_layer("distortion", _distortion(result)),
-        known_layer("orientation", _orientation(result)),
+        known_layer("distortion", _distortion(result, result.point_map.points)),
+        known_layer("orientation", _orientation(result, result.point_map.points)),
         *(() if errors is None else (error_layer(errors),)),
         *file_layers(result.part.fields),
     )
 
 
-def _distortion(result: MatchResult) -> Floats:
+def _distortion(result: MatchResult, points: SurfacePoints) -> Floats:
     """Mean log stretch of the edges at each part vertex, (n_part,); NaN at lonely vertices."""
-    edges, image = result.part.edges, result.point_map.points.positions(result.full)
+    edges, image = result.part.edges, points.positions(result.full)
     before = np.linalg.norm(np.diff(result.part.vertices[edges], axis=1)[:, 0], axis=1)
     after = np.linalg.norm(np.diff(image[edges], axis=1)[:, 0], axis=1)
     tiny = 1e-9 * result.full.length
@@ -235,13 +250,13 @@ def _distortion(result: MatchResult) -> Floats:
     return mean
 
 
-def _orientation(result: MatchResult) -> Floats:
+def _orientation(result: MatchResult, points: SurfacePoints) -> Floats:
     """Share of the faces at each part vertex that the map does not turn over, (n_part,).
 
     A face is turned over if its image runs the other way around than the full shape there, as in
     :meth:`sherd.match.MatchResult.check`. NaN at lonely vertices.
     """
-    faces, points = result.part.faces, result.point_map.points
+    faces = result.part.faces
     corners = points.positions(result.full)[faces]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     outward = points.interpolate(result.full, result.full.vertex_normals)[faces].sum(axis=1)

@@ -103,6 +103,7 @@ def payload(thinned: Thinned, staging: Staging) -> tuple[dict[str, Any], str]:
         "description": "",
         "score": _finite(exhibit.score),
         "layers": [],
+        "partLayers": [],
         "partner": _partner(block, exhibit, exhibit.partner),
     }
     others = [
@@ -111,6 +112,7 @@ def payload(thinned: Thinned, staging: Staging) -> tuple[dict[str, Any], str]:
             "description": place.description,
             "score": _finite(place.score),
             "layers": [_layer(block, layer) for layer in place.full_layers],
+            "partLayers": [_layer(block, layer) for layer in place.part_layers],
             "partner": _partner(block, exhibit, place.partner),
         }
         for place in exhibit.alternatives
@@ -208,7 +210,7 @@ def _partner(block: Block, exhibit: Exhibit, partner: Partner | None) -> dict[st
 
 def _maps(exhibit: Exhibit) -> set[str]:
     layers = [*exhibit.full_layers, *exhibit.part_layers]
-    layers += [layer for place in exhibit.alternatives for layer in place.full_layers]
+    layers += [layer for p in exhibit.alternatives for layer in (*p.full_layers, *p.part_layers)]
     return {layer.color_map for layer in layers if layer.kind == "scalar"}
 
 

@@ -74,6 +74,7 @@ def thinned(exhibit: Exhibit, *, largest: int = LARGEST_SHOWN) -> Thinned:
             replace(
                 place,
                 full_layers=_picked(place.full_layers, full_numbers),
+                part_layers=_picked(place.part_layers, part_numbers),
                 partner=partner_of(place.partner),
             )
             for place in exhibit.alternatives
