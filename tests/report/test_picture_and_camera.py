@@ -166,3 +166,15 @@ def test_ticks_are_round_and_inside():
 def test_unknown_values_are_drawn(exhibit):
     hidden = Layer("u", np.full(exhibit.full.vertex_count, np.nan))
     assert picture(Exhibit("t", exhibit.full, exhibit.part, (hidden,)), width=500).width == 500
+
+
+def test_a_large_mesh_is_seen_from_the_same_side() -> None:
+    """Views are compared on a thinned mesh; the choice and the share stay what they were."""
+    up, views = np.array([0.0, 0, 1]), []
+    for subdivisions in (4, 7):
+        ball = trimesh.creation.icosphere(subdivisions)
+        mesh = TriangleMesh(ball.vertices * [3.0, 1, 0.7], ball.faces)
+        views.append(best_view(mesh, mesh.vertices @ [1.0, 0.4, 0.2] > 1.5, up))
+    coarse, fine = views
+    assert np.trace(fine.rotation @ coarse.rotation.T) > 2.9
+    assert abs(fine.visible_share - coarse.visible_share) < 0.1

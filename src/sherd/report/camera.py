@@ -24,6 +24,8 @@ ELEVATION_BONUS = (1.0, 0.9, 0.75)
 OBLIQUE_BONUS = 0.12
 # Pixels across when views are compared: a region of 1 % of the shape still covers about 80.
 PREVIEW_SIZE = 140
+# Larger meshes are thinned for the comparison; this many vertices take a second.
+LARGEST_PREVIEW = 100_000
 # What lies within this share of the height above the ground carries the weight.
 CONTACT_SHARE = 0.06
 # Near the ground is below this share of the longest extent: hooves and hands, half a lying man.
@@ -94,7 +96,8 @@ def best_view(mesh: TriangleMesh, region: NDArray[np.bool_], up: Floats) -> View
     The score is the visible marked area in the picture, plus a little for the outline of the
     whole; views from slightly above and from an oblique side are preferred when nearly equal.
     """
-    marked = np.asarray(region)[mesh.faces].sum(axis=1) >= 2
+    mesh, region = _preview(mesh, np.asarray(region))
+    marked = region[mesh.faces].sum(axis=1) >= 2
     if not marked.any():
         marked = np.ones(mesh.face_count, dtype=bool)
     total = max(float(mesh.face_areas[marked].sum()), np.finfo(float).tiny)
@@ -122,10 +125,32 @@ def orientation(mesh: TriangleMesh) -> int:
     """
     directed = half_edges(mesh.faces)
     keys = directed[:, 0] * mesh.vertex_count + directed[:, 1]
-    if len(np.unique(keys)) < len(keys):
+    keys.sort()
+    if (keys[1:] == keys[:-1]).any():
         return 0
-    corners = (mesh.vertices - mesh.vertices.mean(axis=0))[mesh.faces]
-    return -1 if np.linalg.det(corners).sum() < 0 else 1
+    a, b, c = (mesh.vertices - mesh.vertices.mean(axis=0))[mesh.faces.T]
+    return -1 if np.einsum("mx,mx->", a, np.cross(b, c)) < 0 else 1
+
+
+def _preview(
+    mesh: TriangleMesh, region: NDArray[np.bool_]
+) -> tuple[TriangleMesh, NDArray[np.bool_]]:
+    """A large mesh with the vertices of each cell of a grid joined, and the region on it.
+
+    Cells are smaller than the pixels by which views are compared, so the views look the same.
+    """
+    size = float(np.linalg.norm(np.ptp(mesh.vertices, axis=0)))
+    if mesh.vertex_count <= LARGEST_PREVIEW or not size > 0:
+        return mesh, region
+    count = 2 * PREVIEW_SIZE
+    cells = ((mesh.vertices - mesh.vertices.min(axis=0)) * (count / size)).astype(np.int64)
+    keys = (cells[:, 0] * (count + 1) + cells[:, 1]) * (count + 1) + cells[:, 2]
+    _, first, joined = np.unique(keys, return_index=True, return_inverse=True)
+    faces = joined.ravel()[mesh.faces]
+    solid = (faces != np.roll(faces, 1, axis=1)).all(axis=1)
+    if not solid.any():
+        return mesh, region
+    return TriangleMesh(mesh.vertices[first], faces[solid], name=mesh.name), region[first]
 
 
 def _seen_areas(
