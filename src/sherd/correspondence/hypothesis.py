@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,12 +19,12 @@ from sherd.correspondence.registration import (
     pulled_together,
     similar_places,
 )
-from sherd.correspondence.surface_finder import SurfaceFinder, covered_vertices
+from sherd.correspondence.surface_finder import covered_vertices
 from sherd.descriptors.rotation_shot import mirrored_spectra
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.template import Template
 
-__all__ = ["Hypothesis", "Queries", "mirrored_queries", "part_queries", "settled"]
+__all__ = ["Hypothesis", "Queries", "merged", "mirrored_queries", "part_queries", "settled"]
 
 Floats = NDArray[np.float64]
 Singles = NDArray[np.float32]
@@ -35,6 +35,9 @@ QUERY_COUNT = 3000
 # The first look must survive slides of a node spacing; each later one is nearer.
 FIRST_REACHES = (0.05, 0.04)
 SECOND_REACHES = (0.04, 0.03)
+LAST_REACHES = (0.03, 0.02)
+# Two placements closer than this differ by noise; farther apart one of them is wrong.
+MERGE_LIMIT = 0.05
 # A vertex spacing: the similarity of an answer is that of the vertices around it.
 ANSWER_REACH = 0.012
 # Before the region is known, neighborhoods over the cut are not trusted.
@@ -112,27 +115,72 @@ def settled(
 
     Not `thorough`, the second look inside the region is left out.
     """
-    finder = SurfaceFinder(template.unit)
     vertices = queries.vertices
     placement = pulled_together(template, part, trilaterated(template, part, labeling))
     trust = np.clip(part.cut_distance[vertices] / CUT_LENGTH, CUT_LEAST, 1.0)
     placement = laid_on(
-        template, part, placement, Look(vertices, template.spectra, queries.cut_aware, trust),
-        finder=finder, reaches=FIRST_REACHES,
-    )  # fmt: skip
+        template,
+        part,
+        placement,
+        Look(vertices, template.spectra, queries.cut_aware, trust),
+        finder=template.finder,
+        reaches=FIRST_REACHES,
+    )
+    reaches = SECOND_REACHES if thorough else ()
+    return _looked_inside(template, part, labeling, placement, queries, reaches=reaches)
+
+
+def merged(
+    template: Template, part: PartData, first: Hypothesis, second: Hypothesis, queries: Queries
+) -> Hypothesis:
+    """The middle of two placements where they are close, elsewhere the better one, laid on again.
+
+    Their errors are only partly the same, so the middle is nearer to the truth than either.
+    """
+    best, other = (first, second) if first.score >= second.score else (second, first)
+    offset = other.placement.positions - best.placement.positions
+    close = (offset**2).sum(axis=1) < MERGE_LIMIT**2
+    middle = best.placement.positions + 0.5 * offset * close[:, None]
+    start = replace(best.placement, positions=middle)
+    return _looked_inside(template, part, best.labeling, start, queries, reaches=LAST_REACHES)
+
+
+def _looked_inside(
+    template: Template,
+    part: PartData,
+    labeling: Labeling,
+    placement: Placement,
+    queries: Queries,
+    *,
+    reaches: tuple[float, ...],
+) -> Hypothesis:
+    """Compare neighborhoods inside the covered region only, and finish the placement."""
+    finder = template.finder
+    vertices = queries.vertices
     seen = covered_vertices(finder, template.unit, placement.positions, part.mesh.faces)
     inside = template.spectra_within(seen)
     look = Look(vertices, inside, queries.plain, np.ones(len(vertices)))
-    if thorough:
-        placement = laid_on(template, part, placement, look, finder=finder, reaches=SECOND_REACHES)
-        mask = covered_vertices(finder, template.unit, placement.positions, part.mesh.faces)
+    if reaches:
+        placement = laid_on(template, part, placement, look, finder=finder, reaches=reaches)
     _, _, similarity = similar_places(template, placement, look, reach=ANSWER_REACH)
-    own = SurfaceFinder(template.placed)
-    mask = covered_vertices(own, template.placed, placement.positions, part.mesh.faces)
     strain = elastic_strain(part, placement)
     areas = part.mesh.vertex_areas
     score = np.average(similarity, weights=areas[vertices]) - np.average(
         np.minimum(strain, 1.0), weights=areas
     )
-    points = on_surface(own, part, placement)
+    mask = _covered(template, placement, part)
+    points = on_surface(template.own_finder, part, placement)
     return Hypothesis(labeling, placement, points, mask, inside, similarity, strain, float(score))
+
+
+def _covered(template: Template, placement: Placement, part: PartData) -> NDArray[np.bool_]:
+    """The vertices (n,) of the full shape that the part covers."""
+    positions, faces = placement.positions, part.mesh.faces
+    known = template.own_vertices
+    if known is None or template.placed.vertex_count <= template.unit.vertex_count:
+        return covered_vertices(template.own_finder, template.placed, positions, faces)
+    # sampling the part for a million vertices would cost more than all the rest
+    seen = covered_vertices(template.finder, template.unit, positions, faces)
+    share = known.interpolate(template.unit, seen.astype(np.float64))
+    inside: NDArray[np.bool_] = (share >= 0.5) & (template.placed.vertex_areas > 0)
+    return inside

@@ -46,8 +46,9 @@ class SurfaceFinder:
         for start in range(0, len(positions), BLOCK):
             block = slice(start, start + BLOCK)
             near = self._tree.query(query[block], k=self._count)[1].reshape(-1, self._count)
-            away = self._normals[near] - normals[block][:, None]
-            penalty = NORMAL_SCALE**2 * np.einsum("pkc,pkc->pk", away, away)
+            # among the near faces only those that look the other way are put back
+            agreement = np.einsum("pkc,pc->pk", self._normals[near], normals[block])
+            penalty = 4.0 * NORMAL_SCALE**2 * (agreement < 0)
             closest_on_faces(
                 np.ascontiguousarray(positions[block]), near, self._corners, penalty,
                 faces[block], weights[block],
