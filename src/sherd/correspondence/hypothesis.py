@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,7 +24,7 @@ from sherd.descriptors.rotation_shot import mirrored_spectra
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.template import Template
 
-__all__ = ["Hypothesis", "Queries", "merged", "mirrored_queries", "part_queries", "settled"]
+__all__ = ["Hypothesis", "Queries", "mirrored_queries", "part_queries", "settled"]
 
 Floats = NDArray[np.float64]
 Singles = NDArray[np.float32]
@@ -35,9 +35,6 @@ QUERY_COUNT = 3000
 # The first look must survive slides of a node spacing; each later one is nearer.
 FIRST_REACHES = (0.05, 0.04)
 SECOND_REACHES = (0.04, 0.03)
-LAST_REACHES = (0.03, 0.02)
-# Two placements closer than this differ by noise; farther apart one of them is wrong.
-MERGE_LIMIT = 0.05
 # A vertex spacing: the similarity of an answer is that of the vertices around it.
 ANSWER_REACH = 0.012
 # Before the region is known, neighborhoods over the cut are not trusted.
@@ -128,21 +125,6 @@ def settled(
     )
     reaches = SECOND_REACHES if thorough else ()
     return _looked_inside(template, part, labeling, placement, queries, reaches=reaches)
-
-
-def merged(
-    template: Template, part: PartData, first: Hypothesis, second: Hypothesis, queries: Queries
-) -> Hypothesis:
-    """The middle of two placements where they are close, elsewhere the better one, laid on again.
-
-    Their errors are only partly the same, so the middle is nearer to the truth than either.
-    """
-    best, other = (first, second) if first.score >= second.score else (second, first)
-    offset = other.placement.positions - best.placement.positions
-    close = (offset**2).sum(axis=1) < MERGE_LIMIT**2
-    middle = best.placement.positions + 0.5 * offset * close[:, None]
-    start = replace(best.placement, positions=middle)
-    return _looked_inside(template, part, best.labeling, start, queries, reaches=LAST_REACHES)
 
 
 def _looked_inside(
