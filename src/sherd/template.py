@@ -46,6 +46,9 @@ LABEL_COUNT = 1200
 # are more than answers between vertices need.
 LONGEST_EDGE = 0.02
 MOST_VERTICES = 20_000
+# A disk that needs n vertices has 3.5 sqrt(n) at its border, a tenth of a thousand. A denser
+# border, as large scans have, would leave the inside without vertices, so it is thinned as well.
+LARGEST_BORDER = 0.2
 # Raise when what is saved changes its meaning.
 FORMAT = 1
 BASIS_SIZE = 160
@@ -277,8 +280,9 @@ def working_mesh(mesh: TriangleMesh) -> TriangleMesh:
     more vertices than answers need is decimated before.
     """
     most = int(MOST_VERTICES * max(mesh.area, 0.1))
-    if mesh.vertex_count > most > len(mesh.boundary_vertices):
-        mesh = decimate(mesh, most)[0]
+    if mesh.vertex_count > most:
+        keep = len(mesh.boundary_vertices) <= LARGEST_BORDER * most
+        mesh = decimate(mesh, most, keep_border=keep)[0]
     vertices, faces = split_long_edges(mesh.vertices, mesh.faces, LONGEST_EDGE)
     if len(vertices) == mesh.vertex_count:
         return mesh

@@ -146,3 +146,21 @@ def test_flipping_makes_a_plane_mesh_delaunay():
     area = TriangleMesh(flat, faces).area
     assert TriangleMesh(flat, flipped).area == pytest.approx(area, rel=1e-12)
     assert TriangleMesh(flat, flipped).face_normals[:, 2].min() > 0
+
+
+def test_a_dense_border_can_be_thinned_with_the_rest() -> None:
+    """A square whose border holds half of the wanted vertices: kept on request, else even."""
+    count = 101
+    x, y = np.meshgrid(np.linspace(0, 1, count), np.linspace(0, 1, count))
+    vertices = np.stack([x.ravel(), y.ravel(), 0.1 * np.sin(3 * x.ravel())], axis=1)
+    corner = (np.arange(count - 1)[:, None] * count + np.arange(count - 1)).ravel()
+    lower = np.stack([corner, corner + 1, corner + count], axis=1)
+    upper = np.stack([corner + 1, corner + count + 1, corner + count], axis=1)
+    square = TriangleMesh(vertices, np.concatenate([lower, upper]))
+    kept, _ = decimate(square, 800)
+    even, points = decimate(square, 800, keep_border=False)
+    assert len(kept.boundary_vertices) == 4 * (count - 1)
+    assert 50 < len(even.boundary_vertices) < 200
+    assert even.vertex_count == pytest.approx(800, rel=0.03)
+    assert even.area == pytest.approx(square.area, rel=0.02)
+    np.testing.assert_array_equal(points.positions(square), even.vertices)

@@ -108,10 +108,12 @@ def farthest_point_sample_euclidean(points: ArrayLike, count: int, *, start: int
     return chosen
 
 
-def decimate(mesh: TriangleMesh, vertex_count: int) -> tuple[TriangleMesh, SurfacePoints]:
+def decimate(
+    mesh: TriangleMesh, vertex_count: int, *, keep_border: bool = True
+) -> tuple[TriangleMesh, SurfacePoints]:
     """A mesh of about `vertex_count` vertices on the surface of `mesh`, and where they lie on it.
 
-    Every border edge is kept. The vertices of the result are exactly
+    Every border edge is kept unless told otherwise. The vertices of the result are exactly
     `points.positions(mesh)`, and its fields are interpolated there. The count is met within
     1 %, except where border, topology or tiny components allow no more collapses: then more
     vertices come back, so read `vertex_count` of the result.
@@ -121,7 +123,10 @@ def decimate(mesh: TriangleMesh, vertex_count: int) -> tuple[TriangleMesh, Surfa
     mesh
         Any mesh; it is returned as it is, without unreferenced vertices, if it is small enough.
     vertex_count
-        Wanted number of vertices, at least 4 and more than there are border vertices.
+        Wanted number of vertices, at least 4 and more than there are border vertices that are kept.
+    keep_border
+        If False, the border is decimated like the rest and stays within an edge length of its
+        place: the right choice where a dense border would use up the vertices.
 
     Raises
     ------
@@ -132,13 +137,13 @@ def decimate(mesh: TriangleMesh, vertex_count: int) -> tuple[TriangleMesh, Surfa
     ----------
     Garland and Heckbert, *Surface simplification using quadric error metrics*, 1997 (pyfqmr).
     """
-    smallest = max(4, len(mesh.boundary_vertices) + 1)
+    smallest = max(4, len(mesh.boundary_vertices) + 1) if keep_border else 4
     if vertex_count < smallest:
         raise OptionError(
             f"vertex_count is {vertex_count}, but {mesh.name} needs at least {smallest}: "
             f"{len(mesh.boundary_vertices)} vertices lie on its border, which is kept"
         )
-    vertices, faces = _decimated(mesh.vertices, mesh.faces, vertex_count)
+    vertices, faces = _decimated(mesh.vertices, mesh.faces, vertex_count, keep_border=keep_border)
     return _on_surface(mesh, vertices, faces)
 
 
@@ -186,7 +191,9 @@ def _check_sample(count: int, start: int, usable: Ints) -> None:
         raise OptionError(f"start is {start}, but that is no vertex of a face")
 
 
-def _decimated(vertices: Floats, faces: Ints, vertex_count: int) -> tuple[Floats, Ints]:
+def _decimated(
+    vertices: Floats, faces: Ints, vertex_count: int, *, keep_border: bool = True
+) -> tuple[Floats, Ints]:
     """Quadric decimation by pyfqmr; the surface is only approximately kept."""
     vertices, faces = _compact(vertices, faces)
     for _ in range(DECIMATION_ROUNDS):
@@ -196,11 +203,16 @@ def _decimated(vertices: Floats, faces: Ints, vertex_count: int) -> tuple[Floats
         edges, uses = topology.unique_edges(faces)
         characteristic = len(vertices) - len(edges) + len(faces)
         # V - E + F = characteristic and 3 F = 2 E - border
-        target = 2 * (vertex_count - characteristic) - int((uses == 1).sum())
+        # a border that is thinned like the rest goes with the spacing
+        border = (uses == 1).sum() * (1.0 if keep_border else np.sqrt(vertex_count / before))
+        target = 2 * (vertex_count - characteristic) - int(border)
         simplifier = pyfqmr.Simplify()
         simplifier.setMesh(vertices, faces.astype(np.int32))
         simplifier.simplify_mesh(
-            target_count=max(4, target), aggressiveness=5, preserve_border=True, verbose=False
+            target_count=max(4, target),
+            aggressiveness=5,
+            preserve_border=keep_border,
+            verbose=False,
         )
         vertices, faces, _ = simplifier.getMesh()
         vertices, faces = _compact(np.asarray(vertices, dtype=np.float64), faces.astype(np.int64))
