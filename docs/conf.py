@@ -18,6 +18,9 @@ autodoc_class_signature = "separated"
 napoleon_google_docstring = False
 napoleon_use_rtype = False
 
+# n' is a prime, not the end of a quotation
+smartquotes = False
+
 html_theme = "furo"
 html_title = "sherd"
 html_copy_source = False

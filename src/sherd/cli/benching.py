@@ -145,7 +145,11 @@ def robustness_command(
 
     Writes robustness.csv and robustness.json: file, what was wrong, what sherd said. Exit code 70
     if any run ended in a traceback, a hang, a wrong exit code or a broken output.
-    """
+
+    \b
+    Example:
+      sherd bench robustness bad_meshes/ --command check -o robustness/
+    """  # noqa: D301
     failures = 0
 
     def tell(row: RobustnessRow) -> None:
