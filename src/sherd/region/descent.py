@@ -16,8 +16,8 @@ Objective = Callable[[Floats, NDArray[np.int64]], tuple[Floats, Floats]]
 # Nocedal and Wright 2006, section 3.1: the usual constant of sufficient decrease.
 SUFFICIENT_DECREASE = 1e-4
 # A column is also done when its quasi-Newton model promises less than this share of its value: the
-# best that float32 sums over thousands of vertices can see.
-NEGLIGIBLE_DECREASE = 1e-5
+# energy only ranks regions, which differ by percents.
+NEGLIGIBLE_DECREASE = 1e-4
 # 2^-20 of a step: below float32 resolution of the variables, nothing further can be gained.
 MOST_HALVINGS = 20
 
@@ -38,7 +38,7 @@ class ColumnMinima:
         (c,) int, evaluations spent on the column.
     converged
         (c,) bool, gradient norm within the tolerance, or half the quasi-Newton decrement below
-        1e-5 of the value.
+        1e-4 of the value.
     stalled
         (c,) bool, no step lowered the value any more.
     """

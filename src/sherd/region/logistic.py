@@ -105,7 +105,7 @@ class LogisticOptions:
     search_evaluations: int = 30
     survivors: int = 6
     crispness: tuple[float, ...] = (0.0, 0.02, 0.05)
-    round_evaluations: int = 25
+    round_evaluations: int = 60
     tolerance: float = 1e-4
 
     def __post_init__(self) -> None:
