@@ -12,6 +12,7 @@ from sherd.shapes.fragment import (
     Fragment,
     cut_by_ball,
     cut_by_plane,
+    cut_in_pieces,
     decimated,
     largest_piece,
     moved,
@@ -20,6 +21,7 @@ from sherd.shapes.fragment import (
     remeshed,
     reordered,
     scaled,
+    unevenly_sampled,
     whole,
     with_clutter,
     with_flipped_faces,
@@ -203,3 +205,26 @@ def test_impossible_requests_are_refused(animal, front, full):
         whole(front.mesh, full)
     with pytest.raises(InputError, match="truth has 1 rows"):
         Fragment(front.mesh, SurfacePoints([0], [[1, 0, 0]]), full, front.present)
+
+
+def test_uneven_sampling_keeps_the_surface_and_reaches_the_ratio(front, posed):
+    uneven = unevenly_sampled(front, 10.0)
+    assert gap(uneven, posed).max() < 1e-12
+    assert uneven.mesh.area == pytest.approx(front.mesh.area, rel=1e-12)
+    axis = np.linalg.eigh(np.cov(front.mesh.vertices.T))[1][:, -1]
+    place = uneven.mesh.vertices @ axis
+    density = [
+        ends.sum() / uneven.mesh.vertex_areas[ends].sum()
+        for ends in (place < np.quantile(place, 0.02), place > np.quantile(place, 0.98))
+    ]
+    assert 6 < max(density) / min(density) < 25
+    with pytest.raises(OptionError, match="ratio is"):
+        unevenly_sampled(front, 0.5)
+
+
+def test_pieces_are_apart_and_know_their_places(front, posed):
+    pieces = cut_in_pieces(front, 3, width=0.05)
+    assert pieces.mesh.component_count >= 3
+    assert gap(pieces, posed).max() < 1e-12
+    assert 0.6 < pieces.mesh.area / front.mesh.area < 1
+    assert cut_in_pieces(front, 1, width=0.05).mesh is front.mesh

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from sherd.errors import InfeasibleError, InputError, OptionError
-from sherd.mesh.surface_points import SurfacePoints, points_at_vertices
+from sherd.mesh.surface_points import SurfacePoints, closest_points, points_at_vertices
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.mesh.validate import frozen
 from sherd.shapes.clip import clip
@@ -30,6 +30,7 @@ __all__ = [
     "Fragment",
     "cut_by_ball",
     "cut_by_plane",
+    "cut_in_pieces",
     "decimated",
     "largest_piece",
     "moved",
@@ -38,6 +39,7 @@ __all__ = [
     "remeshed",
     "reordered",
     "scaled",
+    "unevenly_sampled",
     "whole",
     "with_clutter",
     "with_flipped_faces",
@@ -160,6 +162,30 @@ def punch_holes(
     return largest_piece(fragment)
 
 
+def cut_in_pieces(fragment: Fragment, count: int, *, width: float) -> Fragment:
+    """The fragment without bands of the given width across its longest axis, in `count` pieces.
+
+    Bands lie so that the slices between them have equally many vertices; a slice may fall into
+    several components, as two legs do.
+
+    Raises
+    ------
+    InfeasibleError
+        If nothing is left.
+    OptionError
+        If `count` is not positive.
+    """
+    if count < 1:
+        raise OptionError(f"count is {count}, but at least 1 piece is needed")
+    axis = _longest_axis(fragment.mesh)
+    places = np.quantile(fragment.mesh.vertices @ axis, np.arange(1, count) / count)
+    for place in places:
+        height = fragment.mesh.vertices @ axis - place
+        band = 0.5 * width * fragment.full.length
+        fragment = _taken(fragment, *clip(fragment.mesh, np.abs(height) - band))
+    return fragment
+
+
 def largest_piece(fragment: Fragment) -> Fragment:
     """The connected piece with the largest area."""
     labels = fragment.mesh.component_labels[fragment.mesh.faces[:, 0]]
@@ -181,6 +207,37 @@ def remeshed(fragment: Fragment, factor: float) -> Fragment:
 def decimated(fragment: Fragment, vertex_count: int) -> Fragment:
     """Fewer vertices; see :func:`sherd.spectral.sampling.decimate` for what is met and kept."""
     return _taken(fragment, *decimate(fragment.mesh, vertex_count))
+
+
+def unevenly_sampled(fragment: Fragment, ratio: float) -> Fragment:
+    """The same surface with `ratio` times as many vertices per area at one end as at the other.
+
+    Edges are halved where they are too long; the sparse end of the longest axis stays as it is.
+
+    Raises
+    ------
+    OptionError
+        If `ratio` is below 1.
+    """
+    if not 1 <= ratio < np.inf:
+        raise OptionError(f"ratio is {ratio}, but a number from 1 on is needed")
+    mesh, axis = fragment.mesh, _longest_axis(fragment.mesh)
+    vertices, faces = mesh.vertices, mesh.faces
+    low, high = np.quantile(vertices @ axis, [0.0, 1.0])
+    while True:
+        sides = np.sort(faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+        middle = vertices[sides].mean(axis=1)
+        share = (middle @ axis - low) / (high - low)
+        wanted = mesh.mean_edge_length * ratio ** (-0.5 * share)
+        # halving at 4/3 of a length leaves edges between 2/3 and 4/3 of it
+        lengths = np.linalg.norm(vertices[sides[:, 0]] - vertices[sides[:, 1]], axis=1)
+        long = (lengths > 4 / 3 * wanted) & (wanted < 0.99 * mesh.mean_edge_length)
+        if not long.any():
+            break
+        faces, parents = split_edges(faces, len(vertices), long)
+        vertices = np.concatenate([vertices, vertices[parents].mean(axis=1)])
+    split = TriangleMesh(vertices, faces, name=mesh.name)
+    return _taken(fragment, split, closest_points(mesh, vertices))
 
 
 def noisy(fragment: Fragment, sigma: float, *, rng: np.random.Generator) -> Fragment:
@@ -284,6 +341,14 @@ def _taken(fragment: Fragment, mesh: TriangleMesh, points: SurfacePoints) -> Fra
 
 def _with_vertices(fragment: Fragment, vertices: Floats) -> Fragment:
     return replace(fragment, mesh=fragment.mesh.with_vertices(vertices))
+
+
+def _longest_axis(mesh: TriangleMesh) -> Floats:
+    """Direction (3,) in which the vertices are spread widest; its largest entry is positive."""
+    centered = mesh.vertices - mesh.vertices.mean(axis=0)
+    axis = np.linalg.eigh(centered.T @ centered)[1][:, -1]
+    signed: Floats = axis * np.sign(axis[np.abs(axis).argmax()])
+    return signed
 
 
 def _inside_ball(fragment: Fragment, center: int, radius: float) -> Floats:
