@@ -7,6 +7,7 @@ from pathlib import Path
 
 import click
 
+from sherd.benchmark.degrade import KINDS, degrade_benchmark, degrade_table
 from sherd.benchmark.paper import paper_figures, paper_summary
 from sherd.benchmark.region import region_benchmark, region_table
 from sherd.benchmark.robustness import RobustnessRow, robustness, robustness_commands
@@ -17,6 +18,7 @@ from sherd.benchmark.shrec16 import (
     shrec16_table,
 )
 from sherd.benchmark.shrec16_page import write_benchmark_page
+from sherd.benchmark.size import SIZES, size_benchmark, size_table
 from sherd.cli.exits import INTERNAL
 from sherd.mesh.files import write_mesh
 from sherd.output import Stages
@@ -124,6 +126,34 @@ def shrec16_command(
     summary = shrec16_summary(rows, settings, remeshed=remeshed is not None)
     write_benchmark_page(summary, output)
     click.echo(f"{shrec16_table(rows)}\nOpen {output / 'bench.html'} to see it.")
+    return 0
+
+
+@bench_group.command("size")
+@click.option("--largest", type=int, default=1_000_000, show_default=True, help="Vertices.")
+@click.option("-o", "--output", type=click.Path(path_type=Path), required=True, help="Folder.")
+def size_command(*, largest: int, output: Path) -> int:
+    """Time and memory of match, from files to report, against the number of vertices.
+
+    Writes size.json and size.png.
+    """
+    sizes = [size for size in SIZES if size <= largest]
+    rows = size_benchmark(output, sizes=sizes)
+    click.echo(f"{size_table(rows)}\nOpen {output / 'size.png'} to see it.")
+    return 0
+
+
+@bench_group.command("degrade")
+@click.option("--kind", type=click.Choice(list(KINDS)), multiple=True, help="All if none.")
+@click.option("--vertices", type=int, default=10_000, show_default=True)
+@click.option("-o", "--output", type=click.Path(path_type=Path), required=True, help="Folder.")
+def degrade_command(*, kind: tuple[str, ...], vertices: int, output: Path) -> int:
+    """Accuracy of match against noise, uneven density, clutter, holes, flips and pieces.
+
+    Writes degrade.json and a curve for each as PNG; goes on where an interrupted run stopped.
+    """
+    rows = degrade_benchmark(output, kinds=kind or tuple(KINDS), vertex_count=vertices)
+    click.echo(f"{degrade_table(rows)}\nThe curves are in {output}.")
     return 0
 
 

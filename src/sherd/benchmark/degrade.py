@@ -1,0 +1,245 @@
+"""Accuracy of match against what is wrong with the part: noise, uneven density, clutter and so on.
+
+One part of the generated animal is spoiled in one way at a time, a little more at each step; the
+first level of each kind is the clean part. Everything has exact ground truth.
+"""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from sherd._version import __version__
+from sherd.benchmark.metrics import GroundTruthDistances
+from sherd.benchmark.paper_drawing import check_plotting, draw_curves
+from sherd.match import MatchResult, match
+from sherd.mesh.repair import repair
+from sherd.mesh.surface_points import SurfacePoints
+from sherd.output import write_text
+from sherd.shapes.creature import creature
+from sherd.shapes.fragment import (
+    Fragment,
+    cut_by_plane,
+    cut_in_pieces,
+    largest_piece,
+    moved,
+    noisy,
+    punch_holes,
+    remeshed,
+    unevenly_sampled,
+    whole,
+    with_clutter,
+    with_flipped_faces,
+)
+from sherd.template import Template
+
+__all__ = ["KINDS", "DegradeRow", "degrade_benchmark", "degrade_table"]
+
+Spoil = Callable[[Fragment, float, np.random.Generator], Fragment]
+
+# Errors of so many vertices, spread evenly over their numbers, tell the mean within 5 %.
+MEASURED = 600
+HOLE_RADIUS = 0.02
+BAND = 0.03
+
+
+@dataclass(frozen=True)
+class Kind:
+    """One way to spoil a part: what is varied, its levels (the first is clean), and how."""
+
+    label: str
+    levels: tuple[float, ...]
+    spoil: Spoil
+
+
+def _clutter(fragment: Fragment, level: float, rng: np.random.Generator) -> Fragment:
+    return with_clutter(fragment, level, rng=rng) if level > 0 else fragment
+
+
+KINDS: dict[str, Kind] = {
+    "noise": Kind(
+        "Gaussian noise, % of sqrt(area)",
+        (0.0, 0.1, 0.2, 0.3, 0.5),
+        lambda part, level, rng: noisy(part, level / 100, rng=rng),
+    ),
+    "density": Kind(
+        "densest over sparsest sampling",
+        (1.0, 3.0, 10.0, 30.0),
+        lambda part, level, rng: unevenly_sampled(part, level),  # noqa: ARG005 nothing is random
+    ),
+    "clutter": Kind(
+        "area that belongs nowhere, share of the part", (0.0, 0.02, 0.05, 0.1), _clutter
+    ),
+    "holes": Kind(
+        "number of small holes",
+        (0.0, 5.0, 10.0, 20.0),
+        lambda part, level, rng: punch_holes(part, int(level), radius=HOLE_RADIUS, rng=rng),
+    ),
+    "flipped": Kind(
+        "share of the faces turned over",
+        (0.0, 0.1, 0.3, 0.5),
+        lambda part, level, rng: with_flipped_faces(part, level, rng=rng),
+    ),
+    "pieces": Kind(
+        "number of slices",
+        (1.0, 2.0, 3.0),
+        lambda part, level, rng: cut_in_pieces(part, int(level), width=BAND),  # noqa: ARG005
+    ),
+}
+
+
+@dataclass(frozen=True)
+class DegradeRow:
+    """One spoiled part, matched.
+
+    Attributes
+    ----------
+    kind, level
+        Which of KINDS, and how much of it.
+    error
+        Mean geodesic error x100 over vertices that have a true place.
+    coverage
+        Share of these that are matched.
+    recognized
+        Share of the clutter's vertices that are unmatched; None without clutter.
+    score
+        Of the match.
+    seconds
+        Wall time of the match, the template being ready.
+    """
+
+    kind: str
+    level: float
+    error: float
+    coverage: float
+    recognized: float | None
+    score: float
+    seconds: float
+
+
+def degrade_benchmark(
+    output: Path,
+    *,
+    kinds: Sequence[str] = tuple(KINDS),
+    vertex_count: int = 10_000,
+    seed: int = 0,
+    progress: Callable[[DegradeRow], None] | None = None,
+) -> list[DegradeRow]:
+    """Spoil, match and measure; write degrade.json and a curve for each kind as PNG.
+
+    Rows that degrade.json holds already for the same version, size and seed are not computed
+    again, so an interrupted run goes on.
+
+    Raises
+    ------
+    OutputError
+        If the folder cannot be written.
+    OptionError
+        If matplotlib is missing.
+    """
+    check_plotting()
+    settings = {"sherd": __version__, "vertices": vertex_count, "seed": seed}
+    rows = _stored(output, settings)
+    animal = creature(vertex_count)
+    template = Template(animal)
+    distances = GroundTruthDistances(animal)
+    posed = whole(creature(vertex_count, pose="walk"), animal)
+    middle = np.median(posed.mesh.vertices, axis=0)
+    clean = remeshed(largest_piece(cut_by_plane(posed, middle, [1.0, 0.3, 0.1])), 1.1)
+    for kind in kinds:
+        for level in KINDS[kind].levels:
+            if any(row.kind == kind and row.level == level for row in rows):
+                continue
+            rng = np.random.default_rng(seed)
+            part = moved(KINDS[kind].spoil(clean, level, rng), rng)
+            rows.append(_measured(kind, level, part, template, distances))
+            content = {**settings, "rows": [asdict(row) for row in rows]}
+            write_text(output / "degrade.json", json.dumps(content, indent=2) + "\n")
+            if progress is not None:
+                progress(rows[-1])
+        _draw(output, kind, [row for row in rows if row.kind == kind])
+    return rows
+
+
+def degrade_table(rows: Sequence[DegradeRow]) -> str:
+    """The rows as text, each error also relative to the clean part of its kind."""
+    lines = ["kind        level   error x100   of clean   coverage   clutter found   seconds"]
+    clean: dict[str, float] = {}
+    for row in rows:
+        first = clean.setdefault(row.kind, row.error)
+        found = "-" if row.recognized is None else f"{row.recognized:.2f}"
+        lines.append(
+            f"{row.kind:10s} {row.level:6g} {row.error:12.2f} {row.error / first:10.2f} "
+            f"{row.coverage:10.2f} {found:>15s} {row.seconds:9.1f}"
+        )
+    return "\n".join(lines)
+
+
+def _measured(
+    kind: str,
+    level: float,
+    part: Fragment,
+    template: Template,
+    distances: GroundTruthDistances,
+) -> DegradeRow:
+    mended, report = repair(part.mesh)
+    template.prepare()
+    start = time.perf_counter()
+    result = match(template, mended)
+    seconds = time.perf_counter() - start
+    truth = part.truth[report.original_vertices]
+    present = part.present[report.original_vertices]
+    matched = result.point_map.matched
+    clutter = ~present
+    return DegradeRow(
+        kind=kind,
+        level=level,
+        error=_error(result, truth, np.flatnonzero(present), distances),
+        coverage=float(matched[present].mean()),
+        recognized=float((~matched[clutter]).mean()) if clutter.any() else None,
+        score=result.scores["best"],
+        seconds=seconds,
+    )
+
+
+def _error(
+    result: MatchResult,
+    truth: SurfacePoints,
+    vertices: np.ndarray[Any, np.dtype[np.int64]],
+    distances: GroundTruthDistances,
+) -> float:
+    count = min(MEASURED, len(vertices))
+    some = vertices[np.linspace(0, len(vertices) - 1, count).astype(int)]
+    return 100 * float(distances.between(truth[some], result.point_map.points[some]).mean())
+
+
+def _stored(output: Path, settings: dict[str, Any]) -> list[DegradeRow]:
+    """Rows of an earlier run with the same settings."""
+    try:
+        content = json.loads((output / "degrade.json").read_text(encoding="utf-8"))
+        if {key: content[key] for key in settings} != settings:
+            return []
+        return [DegradeRow(**row) for row in content["rows"]]
+    except (OSError, ValueError, KeyError, TypeError):
+        return []
+
+
+def _draw(output: Path, kind: str, rows: Sequence[DegradeRow]) -> None:
+    ordered = sorted(rows, key=lambda row: row.level)
+    levels = [row.level for row in ordered]
+    series = {
+        "error": (levels, [row.error for row in ordered]),
+        "twice the clean error": (levels, [2 * ordered[0].error] * len(levels)),
+    }
+    draw_curves(
+        output / f"degrade-{kind}.png",
+        series,
+        labels=(KINDS[kind].label, "mean geodesic error x100"),
+        heading=f"Match of half an animal: {kind}",
+    )

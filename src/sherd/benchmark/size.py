@@ -1,0 +1,179 @@
+"""Time and memory of `sherd match` against the number of vertices, from files to written answers.
+
+Each size is a process of its own, so reading, repair, the report and the peak of memory count.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import numpy as np
+
+from sherd._version import __version__
+from sherd.benchmark.metrics import GroundTruthDistances
+from sherd.benchmark.paper_drawing import check_plotting, draw_curves
+from sherd.errors import SherdError
+from sherd.mesh.files import write_mesh
+from sherd.mesh.surface_points import SurfacePoints
+from sherd.output import write_text
+from sherd.shapes.creature import SMALLEST, creature
+from sherd.shapes.fragment import Fragment, cut_by_plane, decimated, largest_piece, moved, whole
+
+__all__ = ["SIZES", "SizeRow", "size_benchmark", "size_table"]
+
+SIZES = (2_000, 5_000, 10_000, 20_000, 50_000, 100_000, 200_000, 500_000, 1_000_000)
+# The part is what lies in front of a slanted plane with this share of the vertices.
+PART_SHARE = 0.3
+# Errors of so many vertices, spread evenly over their numbers, tell the mean within 5 %.
+MEASURED = 600
+# Above this many vertices distances are straight lines: a factorization would take minutes.
+LARGEST_GEODESIC = 200_000
+
+
+@dataclass(frozen=True)
+class SizeRow:
+    """One size.
+
+    Attributes
+    ----------
+    full_vertices, part_vertices
+        Of the files.
+    wall_seconds, cpu_seconds
+        Of the whole process; on a busy machine the wall time says little.
+    peak_gigabytes
+        Largest resident memory.
+    error
+        Mean error x100 of 600 vertices: geodesic up to 200,000 vertices, straight above.
+    stages
+        Seconds by stage, as in result.json.
+    """
+
+    full_vertices: int
+    part_vertices: int
+    wall_seconds: float
+    cpu_seconds: float
+    peak_gigabytes: float
+    error: float
+    stages: dict[str, float]
+
+
+def size_benchmark(
+    output: Path,
+    *,
+    sizes: Sequence[int] = SIZES,
+    progress: Callable[[SizeRow], None] | None = None,
+) -> list[SizeRow]:
+    """Match a third of an animal with the whole at each size; write size.json and size.png.
+
+    Raises
+    ------
+    OutputError
+        If the folder cannot be written.
+    OptionError
+        If matplotlib is missing.
+    SherdError
+        If a match ends in an error.
+    """
+    check_plotting()
+    rows: list[SizeRow] = []
+    for size in sizes:
+        rows.append(_measured(size))
+        content = {"sherd": __version__, "rows": [asdict(row) for row in rows]}
+        write_text(output / "size.json", json.dumps(content, indent=2) + "\n")
+        if progress is not None:
+            progress(rows[-1])
+    counts = [float(row.full_vertices) for row in rows]
+    draw_curves(
+        output / "size.png",
+        {
+            "wall seconds": (counts, [row.wall_seconds for row in rows]),
+            "CPU seconds": (counts, [row.cpu_seconds for row in rows]),
+            "peak gigabytes": (counts, [row.peak_gigabytes for row in rows]),
+        },
+        labels=("vertices of the full shape", "seconds, gigabytes"),
+        heading="sherd match: from files to report",
+        logarithmic=(True, True),
+    )
+    return rows
+
+
+def size_table(rows: Sequence[SizeRow]) -> str:
+    """The rows as text."""
+    lines = ["     full      part     wall s      CPU s    peak GB   error x100"]
+    lines += [
+        f"{row.full_vertices:9,d} {row.part_vertices:9,d} {row.wall_seconds:10.1f} "
+        f"{row.cpu_seconds:10.1f} {row.peak_gigabytes:10.2f} {row.error:12.2f}"
+        for row in rows
+    ]
+    return "\n".join(lines)
+
+
+def _pair(size: int) -> Fragment:
+    """A third of the walking animal, and the standing one."""
+    full, posed = creature(max(size, SMALLEST)), creature(max(size, SMALLEST), pose="walk")
+    fragment = whole(posed, full)
+    if size < SMALLEST:
+        thin = decimated(whole(full, full), size)
+        posed = thin.mesh.with_vertices(thin.truth.positions(posed))
+        fragment = whole(posed, thin.mesh)
+    normal = np.array([1.0, 0.3, 0.1])
+    height = fragment.mesh.vertices @ normal
+    place = np.quantile(height, 1 - PART_SHARE) * normal / (normal @ normal)
+    return moved(largest_piece(cut_by_plane(fragment, place, normal)), np.random.default_rng(0))
+
+
+def _measured(size: int) -> SizeRow:
+    fragment = _pair(size)
+    with tempfile.TemporaryDirectory() as scratch:
+        folder = Path(scratch)
+        write_mesh(fragment.full, folder / "full.ply")
+        write_mesh(fragment.mesh, folder / "part.ply")
+        wall, cpu, peak = _run(folder)
+        found = np.loadtxt(folder / "out" / "correspondence.csv", delimiter=",", skiprows=1)
+        stages = json.loads((folder / "out" / "result.json").read_text(encoding="utf-8"))
+    answers = SurfacePoints(found[:, 1].astype(np.int64), found[:, 2:5])
+    return SizeRow(
+        full_vertices=fragment.full.vertex_count,
+        part_vertices=fragment.mesh.vertex_count,
+        wall_seconds=wall,
+        cpu_seconds=cpu,
+        peak_gigabytes=peak,
+        error=_error(fragment, answers),
+        stages=stages["timings"],
+    )
+
+
+def _run(folder: Path) -> tuple[float, float, float]:
+    """Wall seconds, CPU seconds and gigabytes of one `sherd match`."""
+    command = [
+        sys.executable, "-m", "sherd", "match", "-q",
+        str(folder / "full.ply"), str(folder / "part.ply"), "-o", str(folder / "out"),
+    ]  # fmt: skip
+    start = time.perf_counter()
+    process = subprocess.Popen(command)  # noqa: S603 - our own program, no shell
+    _, status, usage = os.wait4(process.pid, 0)
+    wall = time.perf_counter() - start
+    code = process.returncode = os.waitstatus_to_exitcode(status)
+    if code not in (0, 4):  # done, or done with doubts
+        raise SherdError(f"sherd match ended with exit code {code}")
+    # Linux counts kibibytes, macOS bytes
+    unit = 1 if sys.platform == "darwin" else 1024
+    return wall, usage.ru_utime + usage.ru_stime, usage.ru_maxrss * unit / 1e9
+
+
+def _error(fragment: Fragment, answers: SurfacePoints) -> float:
+    full, count = fragment.full, min(MEASURED, len(answers))
+    some = np.linspace(0, len(answers) - 1, count).astype(int)
+    truth, found = fragment.truth[some], answers[some]
+    if full.vertex_count <= LARGEST_GEODESIC:
+        return 100 * float(GroundTruthDistances(full).between(truth, found).mean())
+    gap = np.linalg.norm(truth.positions(full) - found.positions(full), axis=1)
+    return 100 * float(gap.mean()) / full.length
