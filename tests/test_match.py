@@ -26,7 +26,7 @@ def template() -> Template:
 def piece(template: Template) -> Fragment:
     """Half an animal in another pose, meshed anew and turned."""
     posed = whole(creature(VERTICES, pose="walk"), template.full)
-    cut = cut_by_ball(posed, CENTER, 0.45 * template.full.length)
+    cut = cut_by_ball(posed, CENTER, 0.4 * template.full.length)
     return moved(remeshed(cut, 0.9), np.random.default_rng(1))
 
 

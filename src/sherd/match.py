@@ -15,7 +15,7 @@ from sherd._version import __version__
 from sherd.correspondence.confidence import confidence_features, confidences, matched_vertices
 from sherd.correspondence.correspond import Twin, anchored, looked_again, mirrored_twin
 from sherd.correspondence.hypothesis import Hypothesis, part_queries, settled
-from sherd.correspondence.part_data import part_data, rescaled
+from sherd.correspondence.part_data import part_data
 from sherd.correspondence.point_map import PointMap
 from sherd.correspondence.scale import LARGEST, estimated_scale
 from sherd.errors import InfeasibleError, OptionError
@@ -252,11 +252,13 @@ def match(
     stages = stages or Stages(visible=False)
     with stages("full shape"):
         template.prepare()
+    pins = _pins(template, kept_vertices, options)
     with stages("part"):
-        data = part_data(kept, template.length, pins=_pins(template, kept_vertices, options))
+        data = part_data(kept, template.length, pins=pins)
     with stages("scale"):
         scale = estimated_scale(template, data, rng) if options.scale == "unknown" else 1.0
-        data = rescaled(data, scale) if scale != 1.0 else data
+        if scale != 1.0:
+            data = part_data(kept, template.length / scale, pins=pins)
         queries = part_queries(data, rng)
     with stages("anchors"):
         labeling = anchored(template, data, rng)

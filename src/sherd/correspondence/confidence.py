@@ -15,7 +15,7 @@ Floats = NDArray[np.float64]
 
 FEATURES = ("one", "lack of similarity", "strain", "disagreement", "whole lack", "whole strain")
 # Fitted on nine parts of three animated animals (cat, lion, horse; cuts and holes, meshed anew),
-# 32,000 vertices: in each tenth above 0.2 the promise was kept within 0.15, on the whole within 0.01.
+# 32,000 vertices: above 0.2 each tenth was kept within 0.15, all together within 0.01.
 COEFFICIENTS = (8.2, -6.3, -1.1, -46.0, -7.7, -9.3)
 # Nothing found by measuring is certain.
 LEAST, MOST = 0.005, 0.995
