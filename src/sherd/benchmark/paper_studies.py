@@ -125,6 +125,7 @@ def method_study(scenes: dict[str, Scene]) -> dict[str, Any]:
                         "method": method,
                         "descriptor": "rotations" if method == "voting" else descriptor,
                         "iou": overlap_with_truth(scene, case, region.mask),
+                        "iou_possible": _possible_overlap(scene, case),
                         "status": region.status.name,
                         "seconds": time.perf_counter() - start,
                     }
@@ -146,6 +147,13 @@ def animation_scenes(folder: Path) -> dict[str, Scene]:
     if not (first.exists() and second.exists()):
         return {}
     return {"horse-poses": file_scene(first, posed=second)}
+
+
+def _possible_overlap(scene: Scene, case: Case) -> float:
+    """The largest IoU of any region with the part's area: poses stretch skin, areas differ."""
+    part = case.surface.mesh.area
+    targets = [float(scene.full.vertex_areas[mask].sum()) for mask in (case.truth, case.twin)]
+    return max(min(part, target) / max(part, target) for target in targets)
 
 
 def _grid(scene: Scene, case: Case, problem: RegionProblem) -> dict[str, Any]:
