@@ -174,6 +174,9 @@ class MatchResult:
         Seconds by stage.
     options, version
         As given, and of sherd.
+    working_vertices
+        Number of vertices of the meshes that were searched, by "full" and "part". Large or uneven
+        shapes are searched on a mesh of moderate size; the answers are for the shapes themselves.
     """
 
     full: TriangleMesh
@@ -187,6 +190,7 @@ class MatchResult:
     timings: Mapping[str, float]
     options: MatchOptions
     version: str = field(default=__version__)
+    working_vertices: Mapping[str, int] = field(default_factory=dict)
 
     def check(self) -> MatchCheck:
         """Re-derive area, distortion and orientation from the meshes; see :class:`MatchCheck`."""
@@ -289,6 +293,9 @@ def match(
         status=_status(point_map),
         timings=MappingProxyType(dict(stages.seconds)),
         options=options,
+        working_vertices=MappingProxyType(
+            {"full": template.unit.vertex_count, "part": data.mesh.vertex_count}
+        ),
     )
 
 

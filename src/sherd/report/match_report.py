@@ -140,6 +140,7 @@ def match_result(
         "check": asdict(result.check()),
         "options": asdict(result.options),
         "seed": result.options.seed,
+        "working_vertices": dict(result.working_vertices),
         "timings": dict(result.timings),
     }
     if errors is not None:
@@ -288,6 +289,7 @@ def _sentences(result: MatchResult, document: Mapping[str, Any]) -> tuple[str, .
     ]
     if result.options.scale == "unknown":
         said.append(f"The part was enlarged {result.scale:.3f} times to fit.")
+    said += _decimations(result)
     for other in result.alternatives:
         gap = result.scores["best"] - other.score
         close = "equally well" if gap < CLOSE_SCORE else f"with a score lower by {gap:.2f}"
@@ -300,6 +302,19 @@ def _sentences(result: MatchResult, document: Mapping[str, Any]) -> tuple[str, .
     for which in ("full", "part"):
         said += [f"{which.capitalize()}: {text}" for text in document[which]["notices"]]
     return tuple(said)
+
+
+def _decimations(result: MatchResult) -> list[str]:
+    """What was searched on fewer vertices than the file has."""
+    said = []
+    for name, mesh in (("full shape", result.full), ("part", result.part)):
+        worked = result.working_vertices.get(name.split()[0], mesh.vertex_count)
+        if worked < mesh.vertex_count:
+            said.append(
+                f"The {name} was searched on {worked:,} of its {mesh.vertex_count:,} vertices; the "
+                "answers were then carried to every vertex on the surface itself."
+            )
+    return said
 
 
 def _region_csv(result: MatchResult) -> str:
