@@ -141,11 +141,21 @@ class Template:
 
     @cached_property
     def _labels(self) -> tuple[Ints, Singles]:
-        count = min(LABEL_COUNT, len(np.unique(self.unit.faces)))
+        # Split edges add vertices to the working mesh but nothing to its shape: distances are
+        # measured on the mesh before the split, at a third of the cost, and carried over.
+        split = self.placed.vertex_count < self.unit.vertex_count
+        ruler = self.placed if split else self.unit
+        count = min(LABEL_COUNT, len(np.unique(ruler.faces)))
         # the start is the vertex farthest from the center: it does not depend on numbering
-        start = int(np.linalg.norm(self.unit.vertices, axis=1).argmax())
-        vertices, distances = farthest_point_sample(self.geodesics, count, start=start)
-        return vertices, distances.astype(np.float32)
+        start = int(np.linalg.norm(ruler.vertices, axis=1).argmax())
+        vertices, distances = farthest_point_sample(Geodesics(ruler), count, start=start)
+        rows = distances.astype(np.float32)
+        if not split:
+            return vertices, rows
+        added = closest_points(ruler, self.unit.vertices[ruler.vertex_count :])
+        corners, weights = ruler.faces[added.faces], added.barycentric.astype(np.float32)
+        carried = sum(rows[:, corners[:, k]] * weights[:, k] for k in range(3))
+        return vertices, np.concatenate([rows, carried], axis=1)
 
     @property
     def label_vertices(self) -> Ints:
