@@ -55,13 +55,25 @@ def original_points(prepared: PreparedMesh, points: SurfacePoints) -> SurfacePoi
     representative = np.where(new >= 0, old[np.maximum(new, 0)], np.arange(len(new)))
     before = representative[prepared.original.faces]
     after = representative[old[prepared.repaired.faces]]
-    face_of = {key: face for face, key in enumerate(map(tuple, np.sort(before, axis=1).tolist()))}
-    matching = np.array([face_of[key] for key in map(tuple, np.sort(after, axis=1).tolist())])
+    matching = _rows_found(np.sort(after, axis=1), np.sort(before, axis=1))
     faces = matching[points.faces]
     # the weight of a corner goes to the corner with the same representative
     corners, wanted = after[points.faces], before[faces]
     same = wanted[:, :, None] == corners[:, None, :]
     return SurfacePoints(faces, np.einsum("pij,pj->pi", same, points.barycentric))
+
+
+def _rows_found(wanted: Ints, rows: Ints) -> Ints:
+    """For each row (m, 3) of `wanted` the first equal row of `rows` (k, 3); each has one."""
+    both = np.concatenate([rows, wanted])
+    base = int(both.max()) + 1
+    # two whole numbers per row: a pair of indices, named anew so that the third fits beside it
+    _, pair = np.unique(both[:, 0] * base + both[:, 1], return_inverse=True)
+    _, first, row = np.unique(
+        pair.ravel() * base + both[:, 2], return_index=True, return_inverse=True
+    )
+    found: Ints = first[row.ravel()[len(rows) :]]
+    return found
 
 
 def as_read(result: MatchResult, full: PreparedMesh, part: PreparedMesh) -> MatchResult:
