@@ -138,3 +138,14 @@ def test_witnesses_reach_the_same_objective(scene) -> None:
     whole = full_membership_quadratic(problem, ones)
     own = solve_structured(whole).objective
     assert whole.value(piqp_all_vertex(whole)) == pytest.approx(own, rel=1e-6)
+
+
+def test_method_table(scene, monkeypatch) -> None:
+    monkeypatch.setattr(paper_studies, "METHODS", (("subspace", "hks"),))
+    table = paper_studies.method_study({"animal": scene})
+    assert [row["part"] for row in table["rows"]] == ["head", "tail", "leg"]
+    for row in table["rows"]:
+        # a mask meets an area to half a vertex, up to 3 % of a small part here
+        assert 0 <= row["iou"] <= row["iou_possible"] + 0.03
+        assert row["iou_possible"] <= 1
+    assert table["best"]["animal tail"] > 0.7
