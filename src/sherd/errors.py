@@ -4,7 +4,7 @@
 
     SherdError
     |-- InputError (ValueError)         wrong input; the command line ends with exit code 3
-    |   |-- MeshFileError               a file that cannot be read: missing, empty, truncated, hostile
+    |   |-- MeshFileError               cannot be read: missing, empty, truncated, hostile
     |   |-- InvalidMeshError            arrays that are no mesh: NaN, index out of range, no faces
     |   `-- InfeasibleError             a question without answer: part larger than the full shape
     |-- OptionError (ValueError)        an option out of range; exit code 2

@@ -55,15 +55,16 @@ def write_benchmark_page(summary: Mapping[str, Any], folder: Path) -> None:
         labels=("error, in sqrt(area of the full shape)", "share of vertices"),
         heading="How many answers are how near",
     )
-    calibration = {
-        kind: tuple(
-            zip(*[(row[1], row[2]) for row in total["calibration"] if row[0] > 0], strict=True)
+    calibration: dict[str, tuple[list[float], list[float]]] = {
+        kind: (
+            [row[1] for row in total["calibration"] if row[0] > 0],
+            [row[2] for row in total["calibration"] if row[0] > 0],
         )
         for kind, total in totals.items()
     }
     draw_curves(
         folder / "calibration.png",
-        {**calibration, "perfect": ((0.0, 1.0), (0.0, 1.0))},
+        {**calibration, "perfect": ([0.0, 1.0], [0.0, 1.0])},
         labels=("confidence", "share of errors below 0.05"),
         heading="Is confidence the chance that it says?",
     )
