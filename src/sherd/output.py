@@ -69,8 +69,8 @@ class ResultFolder:
     """Files that belong together: all are staged first, then renamed, ``result.json`` last.
 
     ``result.json`` names every other file with its SHA-256, so a folder that holds files of two
-    runs is recognized. Use as a context manager; leaving the block without :meth:`finish` removes what
-    was staged, and the folder too if it was made here and is empty.
+    runs is recognized. Use as a context manager; leaving the block without :meth:`finish` removes
+    what was staged, and the folder too if it was made here and is empty.
 
     Parameters
     ----------
