@@ -4,26 +4,54 @@ from __future__ import annotations
 
 import shlex
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import click
 
+from sherd.mesh.cloud_files import read_points
 from sherd.mesh.files import read_mesh_with_notices
+from sherd.mesh.point_cloud import surface_of
 from sherd.mesh.repair import RepairReport, repair
 from sherd.mesh.triangle_mesh import TriangleMesh
 
-__all__ = ["PreparedMesh", "command_line", "prepared_mesh", "show_notices"]
+__all__ = ["PreparedMesh", "command_line", "prepared_mesh", "prepared_part", "show_notices"]
 
 
 @dataclass(frozen=True, eq=False)
 class PreparedMesh:
-    """A mesh as read, the same after repair, and how their numbers correspond."""
+    """A mesh as read, the same after repair, and how their numbers correspond.
+
+    `one_sided` if it was made from points without normals, so that it may be inside out.
+    """
 
     original: TriangleMesh
     repaired: TriangleMesh
     report: RepairReport
     notices: tuple[str, ...]
+    one_sided: bool = False
+
+    def turned(self) -> PreparedMesh:
+        """The same with all faces turned over."""
+        return replace(
+            self, original=_turned_over(self.original), repaired=_turned_over(self.repaired)
+        )
+
+
+def prepared_part(path: Path) -> PreparedMesh:
+    """Read and repair a part, which may be a scan without faces."""
+    part = read_points(path)
+    if part is None:
+        return prepared_mesh(path)
+    original = surface_of(part)
+    repaired, report = repair(original)
+    known = part.normals is not None
+    said = (
+        f"holds {part.point_count} points and no faces; triangles were laid over the points, "
+        + ("outward by their normals" if known else "and both sides tried, as it has no normals"),
+        *(f"repaired for this run: {text}" for text in report.notices),
+    )
+    return PreparedMesh(original, repaired, report, said, one_sided=not known)
 
 
 def prepared_mesh(path: Path) -> PreparedMesh:
@@ -32,6 +60,10 @@ def prepared_mesh(path: Path) -> PreparedMesh:
     repaired, report = repair(original)
     said = (*notices, *(f"repaired for this run: {text}" for text in report.notices))
     return PreparedMesh(original, repaired, report, said)
+
+
+def _turned_over(mesh: TriangleMesh) -> TriangleMesh:
+    return TriangleMesh(mesh.vertices, mesh.faces[:, ::-1], fields=mesh.fields, name=mesh.name)
 
 
 def show_notices(*meshes: PreparedMesh) -> None:

@@ -11,7 +11,13 @@ import click
 import numpy as np
 
 from sherd.cli.exits import NOT_CONVERGED
-from sherd.cli.inputs import PreparedMesh, command_line, prepared_mesh, show_notices
+from sherd.cli.inputs import (
+    PreparedMesh,
+    command_line,
+    prepared_mesh,
+    prepared_part,
+    show_notices,
+)
 from sherd.output import Stages
 from sherd.region.locate import locate
 from sherd.region.options import DESCRIPTORS, METHODS, SOLVERS, LocateOptions
@@ -87,7 +93,7 @@ def locate_command(
     stages = Stages(STAGE_COUNT, visible=False if quiet else None)
     region, result = locate_and_write(
         prepared_mesh(full),
-        prepared_mesh(part),
+        prepared_part(part),
         output,
         options=options,
         stages=stages,
@@ -112,6 +118,11 @@ def locate_and_write(
 ) -> tuple[Region, dict[str, Any]]:
     """Locate on the repaired meshes and write the answer in the numbering of the files."""
     found = locate(full.repaired, part.repaired, options, stages=stages)
+    if part.one_sided:  # points without normals: the side on which neighborhoods agree is outside
+        turned = part.turned()
+        other = locate(full.repaired, turned.repaired, options, stages=stages)
+        if other.score > found.score:
+            found, part = other, turned
     show_notices(full, part)
     region = _as_read(found, full, part)
     with stages("files"):

@@ -11,7 +11,13 @@ import numpy as np
 
 from sherd.benchmark.metrics import GroundTruthDistances
 from sherd.cli.exits import NOT_CONVERGED
-from sherd.cli.inputs import PreparedMesh, command_line, prepared_mesh, show_notices
+from sherd.cli.inputs import (
+    PreparedMesh,
+    command_line,
+    prepared_mesh,
+    prepared_part,
+    show_notices,
+)
 from sherd.cli.lifting import as_read, repaired_vertices
 from sherd.cli.tables import read_ground_truth, read_ignored, read_landmarks
 from sherd.errors import InputError
@@ -73,7 +79,7 @@ def match_command(
       sherd match template.ply scan.ply -o out/ --landmarks pairs.csv --export vtp
     """  # noqa: D301
     stages = Stages(STAGE_COUNT, visible=False if quiet else None)
-    meshes = prepared_mesh(full), prepared_mesh(part)
+    meshes = prepared_mesh(full), prepared_part(part)
     options = MatchOptions(
         scale=hints["scale"],
         landmarks=_landmarks(hints["landmarks"], *meshes),
@@ -112,6 +118,11 @@ def match_and_write(
     """Match the repaired meshes and write the answer in the numbering of the files."""
     true_points = None if truth is None else read_ground_truth(truth, full.original, part.original)
     found = match(template or full.repaired, part.repaired, options, stages=stages)
+    if part.one_sided:  # points without normals: the side on which neighborhoods agree is outside
+        turned = part.turned()
+        other = match(template or full.repaired, turned.repaired, options, stages=stages)
+        if other.scores["best"] > found.scores["best"]:
+            found, part = other, turned
     show_notices(full, part)
     result = as_read(found, full, part)
     with stages("files"):

@@ -25,7 +25,7 @@ from sherd.mesh.preflight.prepared import Prepared
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.output import write_bytes
 
-__all__ = ["FORMATS", "read_mesh", "read_mesh_with_notices", "write_mesh"]
+__all__ = ["FORMATS", "read_content", "read_mesh", "read_mesh_with_notices", "write_mesh"]
 
 logger = logging.getLogger(__name__)
 logging.getLogger("trimesh").addHandler(logging.NullHandler())  # its warnings become our errors
@@ -75,9 +75,7 @@ def read_mesh_with_notices(
     """Read as :func:`read_mesh` does, and return beside the mesh what was adapted, in words."""
     source = Path(path)
     try:
-        prepare = _format_of(source)
-        with np.errstate(all="ignore"):  # odd numbers are refused by name, not warned about
-            prepared = prepare(_content(source))
+        _, prepared = read_content(source)
         if prepared.face_count == 0:
             raise InvalidMeshError(_without_faces(prepared.vertex_count))
         loaded = _loaded(prepared, source.suffix.lower())
@@ -90,6 +88,20 @@ def read_mesh_with_notices(
     except InputError as error:
         raise type(error)(f"{source}: {error}") from error.__cause__
     return mesh, prepared.notices
+
+
+def read_content(path: Path) -> tuple[bytes, Prepared]:
+    """The bytes of a mesh file, and the same made harmless, with what must be found in them.
+
+    Raises
+    ------
+    MeshFileError, InvalidMeshError
+        As :func:`read_mesh` does; the message does not name the file.
+    """
+    prepare = _format_of(path)
+    data = _content(path)
+    with np.errstate(all="ignore"):  # odd numbers are refused by name, not warned about
+        return data, prepare(data)
 
 
 def write_mesh(

@@ -1,0 +1,117 @@
+"""Read a part that may be a mesh or a scan without faces."""
+
+from __future__ import annotations
+
+import io
+import os
+import warnings
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sherd.errors import InputError, MeshFileError
+from sherd.mesh.files import read_content, read_mesh
+from sherd.mesh.point_cloud import PointCloud
+from sherd.mesh.preflight.prepared import decoded
+from sherd.mesh.triangle_mesh import TriangleMesh
+
+__all__ = ["read_part", "read_points"]
+
+Floats = NDArray[np.float64]
+
+
+def read_part(path: str | os.PathLike[str]) -> TriangleMesh | PointCloud:
+    """Read a triangle mesh, or the points of a PLY, OBJ or OFF file that has no faces.
+
+    Raises
+    ------
+    MeshFileError
+        If the file is missing, damaged, or promises more than it holds.
+    InvalidMeshError
+        If it describes neither a mesh nor a point cloud.
+    """
+    cloud = read_points(path)
+    return read_mesh(path) if cloud is None else cloud
+
+
+def read_points(path: str | os.PathLike[str]) -> PointCloud | None:
+    """Read the points of a PLY, OBJ or OFF file without faces; None if it is no such file.
+
+    Raises
+    ------
+    MeshFileError
+        If the file is missing, damaged, or promises more than it holds.
+    InvalidMeshError
+        If the points are none, such as not finite.
+    """
+    source = Path(path)
+    suffix = source.suffix.lower()
+    try:
+        data, prepared = read_content(source)
+    except InputError as error:
+        raise type(error)(f"{source}: {error}") from error.__cause__
+    if prepared.face_count != 0 or not prepared.vertex_count or suffix not in _READERS:
+        return None
+    try:
+        points, normals = _READERS[suffix](data, prepared.vertex_count)
+        _check_count(len(points), prepared.vertex_count)
+        return PointCloud(points, normals, name=source.name)
+    except InputError as error:
+        raise type(error)(f"{source}: {error}") from error.__cause__
+    except Exception as error:  # whatever a parser throws at odd bytes is a damaged file
+        reason = " ".join(str(error).split())[:100] or type(error).__name__
+        raise MeshFileError(f"{source}: cannot be read as points ({reason})") from error
+
+
+def _check_count(count: int, promised: int) -> None:
+    if count != promised:
+        raise MeshFileError(
+            f"{promised} points are promised, but {count} could be read; the file is damaged: "
+            "export it again"
+        )
+
+
+def _ply(data: bytes, count: int) -> tuple[Floats, Floats | None]:
+    import trimesh  # noqa: PLC0415 - takes .2 s
+
+    del count  # compared by the caller
+    with warnings.catch_warnings(), np.errstate(all="ignore"):
+        warnings.simplefilter("ignore")
+        loaded: Any = trimesh.load(
+            io.BytesIO(data), file_type="ply", process=False, skip_materials=True, fix_texture=False
+        )
+    raw = loaded.metadata.get("_ply_raw", {}).get("vertex", {}).get("data")
+    # trimesh keeps a dictionary of columns for text and a structured array for binary files
+    names = () if raw is None else tuple(raw) if isinstance(raw, dict) else raw.dtype.names
+    if not all(name in names for name in ("nx", "ny", "nz")):
+        return np.asarray(loaded.vertices, dtype=np.float64), None
+    columns = [np.asarray(raw[name], dtype=np.float64).ravel() for name in ("nx", "ny", "nz")]
+    normals = np.stack(columns, axis=1)
+    length = np.linalg.norm(normals, axis=1)
+    # programs that know no normals write zeros
+    known = bool((np.isfinite(length) & (length > 0)).all())
+    return np.asarray(loaded.vertices, dtype=np.float64), normals if known else None
+
+
+def _obj(data: bytes, count: int) -> tuple[Floats, Floats | None]:
+    rows: dict[str, list[list[float]]] = {"v": [], "vn": []}
+    for line in decoded(data).splitlines():
+        words = line.split("#")[0].split()
+        if words and words[0] in rows:
+            rows[words[0]].append([float(word) for word in words[1:4]])
+    normals = np.array(rows["vn"]) if len(rows["vn"]) == count else None
+    return np.array(rows["v"], dtype=np.float64), normals
+
+
+def _off(data: bytes, count: int) -> tuple[Floats, Floats | None]:
+    lines = [line.split("#")[0].split() for line in decoded(data).splitlines()]
+    words = [line for line in lines if line]
+    if words and words[0][0].upper().endswith("OFF"):
+        words = [words[0][1:], *words[1:]] if len(words[0]) > 1 else words[1:]
+    rows = [[float(word) for word in line[:3]] for line in words[1 : count + 1]]
+    return np.array(rows, dtype=np.float64), None
+
+
+_READERS = {".ply": _ply, ".obj": _obj, ".off": _off}
