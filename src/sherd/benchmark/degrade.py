@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +19,7 @@ from sherd._version import __version__
 from sherd.benchmark.metrics import GroundTruthDistances
 from sherd.benchmark.paper_drawing import check_plotting, draw_curves
 from sherd.match import MatchResult, match
+from sherd.mesh.point_cloud import PointCloud, surface_of
 from sherd.mesh.repair import repair
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.output import write_text
@@ -32,6 +33,7 @@ from sherd.shapes.fragment import (
     noisy,
     punch_holes,
     remeshed,
+    reordered,
     unevenly_sampled,
     whole,
     with_clutter,
@@ -60,6 +62,15 @@ class Kind:
 
 def _clutter(fragment: Fragment, level: float, rng: np.random.Generator) -> Fragment:
     return with_clutter(fragment, level, rng=rng) if level > 0 else fragment
+
+
+def _cloud(fragment: Fragment, level: float, rng: np.random.Generator) -> Fragment:
+    """From level 1 on without faces, in random order; normals only tell the outside."""
+    if level < 1:
+        return fragment
+    shuffled = reordered(fragment, rng)
+    points = PointCloud(shuffled.mesh.vertices, shuffled.mesh.vertex_normals)
+    return replace(shuffled, mesh=surface_of(points))
 
 
 KINDS: dict[str, Kind] = {
@@ -91,6 +102,7 @@ KINDS: dict[str, Kind] = {
         (1.0, 2.0, 3.0),
         lambda part, level, rng: cut_in_pieces(part, int(level), width=BAND),  # noqa: ARG005
     ),
+    "points": Kind("0: mesh, 1: the same points without faces", (0.0, 1.0), _cloud),
 }
 
 
