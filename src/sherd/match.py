@@ -12,7 +12,13 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from sherd._version import __version__
-from sherd.correspondence.confidence import confidence_features, confidences, matched_vertices
+from sherd.correspondence.confidence import (
+    LEAST,
+    confidence_features,
+    confidences,
+    foreign_vertices,
+    matched_vertices,
+)
 from sherd.correspondence.correspond import Twin, anchored, looked_again, mirrored_twin
 from sherd.correspondence.hypothesis import Hypothesis, part_queries, settled
 from sherd.correspondence.part_data import part_data
@@ -275,8 +281,10 @@ def match(
         twin = mirrored_twin(template, data, queries, rng)
     with stages("confidence"):
         features = confidence_features(data, queries, best, other)
-        answers = (best.points, matched_vertices(features), confidences(features))
-        point_map = _for_all(part, kept_vertices, *answers)
+        foreign = foreign_vertices(data, queries, best)
+        matched = matched_vertices(features) & ~foreign
+        confidence = np.where(foreign, LEAST, confidences(features))
+        point_map = _for_all(part, kept_vertices, best.points, matched, confidence)
     with stages("region"):
         area = float(part.vertex_areas @ point_map.matched) * scale**2 / template.full.area
         membership, mask = covered_region(template.placed, best.mask, area)

@@ -17,12 +17,16 @@ from sherd.mesh.triangle_mesh import TriangleMesh
 
 __all__ = ["PreparedMesh", "command_line", "prepared_mesh", "prepared_part", "show_notices"]
 
+# Repair turns the smaller side over, so at most half of the area.
+UNCLEAR = 0.4
+
 
 @dataclass(frozen=True, eq=False)
 class PreparedMesh:
     """A mesh as read, the same after repair, and how their numbers correspond.
 
-    `one_sided` if it was made from points without normals, so that it may be inside out.
+    `one_sided` if it may be inside out: made from points without normals, or its faces agreed too
+    little on what is outside.
     """
 
     original: TriangleMesh
@@ -42,7 +46,8 @@ def prepared_part(path: Path) -> PreparedMesh:
     """Read and repair a part, which may be a scan without faces."""
     part = read_points(path)
     if part is None:
-        return prepared_mesh(path)
+        mesh = prepared_mesh(path)
+        return replace(mesh, one_sided=_side_is_unclear(mesh))
     original = surface_of(part)
     repaired, report = repair(original)
     known = part.normals is not None
@@ -60,6 +65,12 @@ def prepared_mesh(path: Path) -> PreparedMesh:
     repaired, report = repair(original)
     said = (*notices, *(f"repaired for this run: {text}" for text in report.notices))
     return PreparedMesh(original, repaired, report, said)
+
+
+def _side_is_unclear(mesh: PreparedMesh) -> bool:
+    """Whether so many faces of an open mesh were turned over that the majority says little."""
+    turned = sum(step.area_fraction for step in mesh.report.steps if step.name == "orient faces")
+    return turned > UNCLEAR and len(mesh.repaired.boundary_vertices) > 0
 
 
 def _turned_over(mesh: TriangleMesh) -> TriangleMesh:
