@@ -154,7 +154,11 @@ class Template:
             return vertices, rows
         added = closest_points(ruler, self.unit.vertices[ruler.vertex_count :])
         corners, weights = ruler.faces[added.faces], added.barycentric.astype(np.float32)
-        carried = sum(rows[:, corners[:, k]] * weights[:, k] for k in range(3))
+        # a corner of weight 0 may lie on another component, infinitely far
+        carried = sum(
+            np.where(weights[:, k] > 0, rows[:, corners[:, k]], 0.0) * weights[:, k]
+            for k in range(3)
+        )
         return vertices, np.concatenate([rows, carried], axis=1)
 
     @property

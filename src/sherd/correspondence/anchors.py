@@ -113,7 +113,8 @@ def _misfit(problem: Problem, node: int, guides: Ints, state: tuple[Ints, Floats
     )
     angle = (problem.part.directions[guides, node] - rotations[guides])[:, None]
     turn = 2 * (1 - np.cos(angle - template.label_directions[labels[guides]])) / ANGLE_SIGMA**2
-    cost = off**2 / (1 + off**2 / LIMIT) + 0.5 * turn / (1 + turn / LIMIT)
+    square = np.minimum(off**2, 1e12)  # labels on other components are infinitely far
+    cost = square / (1 + square / LIMIT) + 0.5 * turn / (1 + turn / LIMIT)
     result: Floats = (cost * _nearness(length)).sum(axis=0)
     return result
 
