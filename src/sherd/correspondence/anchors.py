@@ -170,7 +170,8 @@ def _core(problem: Problem, labels: Ints, rotations: Floats) -> NDArray[np.bool_
     )
     agreement = np.cos(turn)
     near = (between < CORE_REACH) & (between > 0)
-    agree = near & (np.abs(distance - between) < 0.03 + 0.15 * between)
+    length = np.where(near, between, 0.0)  # elsewhere both may be infinite
+    agree = near & (np.abs(distance - length) < 0.03 + 0.15 * length)
     agree &= agreement + agreement.T > 0.8
     agree &= agree.T
     core = agree.sum(axis=1) > CORE_SHARE * np.maximum(near.sum(axis=1), 1)
