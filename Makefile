@@ -29,7 +29,7 @@ clean:
 	rm -rf .venv out build dist
 
 .venv/bin/python:
-	$(PYTHON) -c 'import sys; sys.exit("sherd needs Python 3.11 or later; set PYTHON=") if sys.version_info < (3, 11) else None'
+	@$(PYTHON) -c 'import sys; sys.exit("sherd needs Python 3.11 or later; set PYTHON=") if sys.version_info < (3, 11) else None'
 	$(PYTHON) -m venv .venv
 
 .venv/library: pyproject.toml constraints.txt | .venv/bin/python

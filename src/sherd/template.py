@@ -86,7 +86,7 @@ class Template:
     Examples
     --------
     >>> from sherd.shapes.creature import creature
-    >>> template = Template(creature(2000))
+    >>> template = Template(creature(5000))
     >>> round(template.unit.area, 6)
     1.0
     """
