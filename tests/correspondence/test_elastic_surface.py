@@ -7,8 +7,9 @@ import pytest
 import trimesh
 from scipy.spatial.transform import Rotation
 
+from sherd.correspondence.covered_vertices import covered_vertices
 from sherd.correspondence.elastic import fit_rotations, relax_positions, strains
-from sherd.correspondence.surface_finder import SurfaceFinder, covered_vertices
+from sherd.mesh.surface_finder import SurfaceFinder
 from sherd.mesh.surface_points import closest_points
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.shapes.truth import true_region

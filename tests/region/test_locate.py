@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sherd.benchmark.region import overlap
+from sherd.benchmark.metrics import region_overlap
 from sherd.errors import InfeasibleError, OptionError
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.region.locate import locate
@@ -47,7 +47,7 @@ def coarse(animal) -> Fragment:
 
 
 def iou(region: Region, fragment: Fragment) -> float:
-    return overlap(fragment.full, region.mask, fragment.region)
+    return region_overlap(fragment.full, region.mask, fragment.region)
 
 
 def test_the_front_is_found(found, front) -> None:
@@ -68,7 +68,7 @@ def test_a_leg_is_found_and_its_twin_is_reported(animal) -> None:
     )
     region = locate(animal, leg.mesh)
     placements = [region.mask, *(other.mask for other in region.alternatives)]
-    best = max(overlap(animal, mask, leg.region) for mask in placements)
+    best = max(region_overlap(animal, mask, leg.region) for mask in placements)
     assert best > 0.75
     assert region.alternatives
     assert all(other.score <= 1 for other in region.alternatives)
@@ -83,7 +83,7 @@ def test_same_input_same_bits(found, front) -> None:
 def test_unit_does_not_matter(found, front) -> None:
     large = scaled(front, 1000.0)
     full = front.full.with_vertices(front.full.vertices * 1000.0)
-    assert overlap(front.full, locate(full, large.mesh).mask, found.mask) > 0.98
+    assert region_overlap(front.full, locate(full, large.mesh).mask, found.mask) > 0.98
 
 
 def test_part_identical_to_full(animal) -> None:

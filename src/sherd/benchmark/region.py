@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 import time
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -13,14 +12,14 @@ from numpy.typing import NDArray
 
 from sherd._version import __version__
 from sherd.benchmark.datasets import Pair, rotated, shrec16_pairs
+from sherd.benchmark.metrics import region_overlap
 from sherd.mesh.surface_points import SurfacePoints
-from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.output import Stages, write_text
 from sherd.region.locate import locate
 from sherd.region.options import LocateOptions
 from sherd.shapes.truth import true_region
 
-__all__ = ["RegionRow", "overlap", "region_benchmark", "region_table"]
+__all__ = ["RegionRow", "region_benchmark", "region_table"]
 
 Bools = NDArray[np.bool_]
 
@@ -40,13 +39,6 @@ class RegionRow:
     status: str
     seconds: float
     seconds_after_eigenbasis: float
-
-
-def overlap(full: TriangleMesh, first: Bools, second: Bools) -> float:
-    """Area-weighted intersection over union of two vertex masks; NaN if both are empty."""
-    areas = full.vertex_areas
-    union = float(areas[first | second].sum())
-    return float(areas[first & second].sum()) / union if union > 0 else math.nan
 
 
 def region_benchmark(
@@ -113,12 +105,12 @@ def _measured(pair: Pair, seed: int, options: LocateOptions) -> RegionRow:
     region = locate(pair.full, rotated(pair.part, seed), options)
     seconds = time.perf_counter() - start
     truth = _truth_mask(pair, pair.truth)
-    iou = overlap(pair.full, region.mask, truth)
+    iou = region_overlap(pair.full, region.mask, truth)
     forgiven = iou
     if pair.mirrored_truth is not None:
         mirrored = _truth_mask(pair, pair.mirrored_truth)
-        forgiven = max(iou, overlap(pair.full, region.mask, mirrored))
-    others = [overlap(pair.full, other.mask, truth) for other in region.alternatives]
+        forgiven = max(iou, region_overlap(pair.full, region.mask, mirrored))
+    others = [region_overlap(pair.full, other.mask, truth) for other in region.alternatives]
     return RegionRow(
         pair=pair.name,
         area_fraction=region.area_fraction,

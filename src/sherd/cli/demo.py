@@ -7,8 +7,7 @@ from pathlib import Path
 import click
 import numpy as np
 
-from sherd.benchmark.metrics import GroundTruthDistances
-from sherd.benchmark.region import overlap
+from sherd.benchmark.metrics import GroundTruthDistances, region_overlap
 from sherd.cli.inputs import prepared_mesh
 from sherd.cli.matching import STAGE_COUNT, match_and_write, match_summary
 from sherd.match import MatchOptions
@@ -51,7 +50,7 @@ def demo_command(output: Path, *, quiet: bool) -> int:
     click.echo(match_summary(result, document, output))
     distances = GroundTruthDistances(fragment.full)
     error = 100 * distances.between(fragment.truth, result.point_map.points).mean()
-    common = overlap(fragment.full, result.region.mask, fragment.region)
+    common = region_overlap(fragment.full, result.region.mask, fragment.region)
     click.echo(
         f"The truth is known here: mean error {error:.2f} % of sqrt(area), region overlap "
         f"{100 * common:.0f} % (IoU)."

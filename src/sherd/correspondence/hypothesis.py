@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from sherd.correspondence.covered_vertices import covered_vertices
 from sherd.correspondence.dense import trilaterated
 from sherd.correspondence.labeling import Labeling
 from sherd.correspondence.part_data import PartData, part_spectra
@@ -19,7 +20,6 @@ from sherd.correspondence.registration import (
     pulled_together,
     similar_places,
 )
-from sherd.correspondence.surface_finder import covered_vertices
 from sherd.descriptors.rotation_shot import mirrored_spectra
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.template import Template

@@ -28,6 +28,7 @@ from sherd.region.soft_match import CAPACITY_WIDTH, MatchGeometry, soft_match, s
 from sherd.region.weights import chosen_weights
 from sherd.spectral.basis import EigenBasis, eigenbasis
 from sherd.spectral.sampling import farthest_point_sample_euclidean
+from sherd.template import AXIS_WIDTH, RADII
 
 __all__ = ["locate_by_voting"]
 
@@ -36,12 +37,6 @@ Singles = NDArray[np.float32]
 Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
 
-# Radii of the neighborhoods, in sqrt(area of the full shape): from the smallest that holds some 40
-# vertices of a 10,000-vertex mesh to the width of a limb.
-RADII = (0.04, 0.06, 0.10)
-# Smoothing length of the normal axis: wider than the vertex spacing (0.01 at 10,000 vertices),
-# narrower than the smallest radius.
-AXIS_WIDTH = 0.012
 # A neighborhood reaching far over the cut still says something about the near side.
 LEAST_TRUST = 0.15
 # The data term asks for the whole area of each of this many groups of samples: as many as there

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from sherd.mesh.surface_finder import SurfaceFinder
 from sherd.mesh.triangle_mesh import TriangleMesh
 
-__all__ = ["SurfaceFinder", "covered_vertices"]
+__all__ = ["covered_vertices"]
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
