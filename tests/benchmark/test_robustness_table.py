@@ -28,6 +28,8 @@ PROGRAMS = {
     "left the half-written .a.partial": WRITING + "(out / '.a.partial').touch()",
     "a.csv holds 'nan'": WRITING + "(out / 'a.csv').write_text('x,y\\n1,nan\\n')",
     "a.json holds 'NaN'": WRITING + "(out / 'a.json').write_text('[NaN]')",
+    "a.ply cannot be read back": WRITING + "(out / 'a.ply').write_text('ply')",
+    "holds no result.json": WRITING + "[(out / name).touch() for name in ('a.txt', 'b.txt')]",
 }
 
 
@@ -39,7 +41,8 @@ def test_each_kind_of_failure_is_told(tmp_path, failure):
     (row,) = robustness(
         folder, tmp_path / "out", commands={"run": python(PROGRAMS[failure])}, seconds=2
     )
-    assert row.failure == failure
+    assert failure in row.failure
+    assert bool(failure) == bool(row.failure)
     assert row.verdict == ("failed" if failure else "done")
 
 
@@ -50,6 +53,23 @@ def test_words_that_only_contain_nan_are_no_failure(tmp_path):
     program = WRITING + "(out / 'a.csv').write_text('nana,info.inf,finance\\n')"
     (row,) = robustness(folder, tmp_path / "out", commands={"run": python(program)})
     assert row.failure == ""
+
+
+def test_an_interrupted_run_goes_on(tmp_path):
+    folder = tmp_path / "meshes"
+    folder.mkdir()
+    for name in ("a.off", "b.off", "c.off"):
+        (folder / name).write_text(name)
+    failing = "import sys; sys.exit(70 if 'b.off' in sys.argv[1] else 0)"
+    jobs = {"run": python(failing)}
+    first = robustness(folder, tmp_path / "out", commands=jobs)
+    (folder / "c.off").write_text("changed")
+    seen = []
+    second = robustness(folder, tmp_path / "out", commands=jobs, progress=seen.append)
+    assert [row.file for row in seen] == ["b.off", "c.off"]  # failed, and other content
+    assert second[0] == first[0]
+    robustness(folder, tmp_path / "out", commands=jobs, seconds=30, progress=seen.append)
+    assert len(seen) == 5  # another limit: all anew
 
 
 def test_check_says_what_is_wrong_and_the_table_is_written(tmp_path):

@@ -8,6 +8,7 @@ folder, a half-written file, a number that is none, or anything at all after a r
 from __future__ import annotations
 
 import csv
+import hashlib
 import io
 import json
 import re
@@ -18,10 +19,13 @@ import time
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 from sherd._version import __version__
+from sherd.errors import SherdError
+from sherd.mesh.files import read_mesh
 from sherd.output import write_text
+from sherd.report.folder import folder_problems
 
 __all__ = ["RobustnessRow", "check_command", "robustness", "robustness_commands"]
 
@@ -56,6 +60,8 @@ class RobustnessRow:
         What is wrong with the mesh, as the command printed it.
     said
         The last line of its error output.
+    sha256
+        Of the file's content.
     """
 
     file: str
@@ -66,6 +72,7 @@ class RobustnessRow:
     seconds: float
     wrong: str
     said: str
+    sha256: str
 
 
 def check_command(mesh: Path, output: Path) -> list[str]:
@@ -113,14 +120,15 @@ def robustness(
     folder
         Searched with its subfolders, in order of names; tables (.csv, .json, .md) are skipped.
     output
-        Where robustness.csv and robustness.json are written, anew after each file, so that an
-        interrupted run keeps what it found.
+        Where robustness.csv and robustness.json are written, anew after each file. An interrupted
+        run goes on: what robustness.json holds for the same content, version and limit is taken
+        over, unless it failed.
     commands
         By name, what to run for a mesh and an output folder; `check_command` if None.
     seconds
         Limit for one process.
     progress
-        Told each row as it is found.
+        Told each row as it is found, not those that are taken over.
 
     Raises
     ------
@@ -128,21 +136,29 @@ def robustness(
         If the table cannot be written.
     """
     jobs = {"check": check_command} if commands is None else dict(commands)
+    settings = {"sherd": __version__, "seconds": seconds}
+    known = _stored(output, settings)
     rows: list[RobustnessRow] = []
     files = sorted(path for path in folder.rglob("*") if path.is_file())
     for path in files:
         if path.suffix.lower() in (".csv", ".json", ".md"):
             continue
+        shown, sha256 = str(path.relative_to(folder)), hashlib.sha256(path.read_bytes()).hexdigest()
         for name, command in jobs.items():
-            row = _run(path, str(path.relative_to(folder)), name, command, seconds=seconds)
+            row = known.get((shown, name, sha256))
+            if row is None:
+                row = _run(path, (shown, name, sha256), command, seconds=seconds)
+                if progress is not None:
+                    progress(row)
             rows.append(row)
-            if progress is not None:
-                progress(row)
-        _write(rows, output)
+        _write(rows, output, settings)
     return rows
 
 
-def _run(path: Path, shown: str, name: str, command: Command, *, seconds: float) -> RobustnessRow:
+def _run(
+    path: Path, labels: tuple[str, str, str], command: Command, *, seconds: float
+) -> RobustnessRow:
+    shown, name, sha256 = labels
     with tempfile.TemporaryDirectory() as scratch:
         results = Path(scratch) / "out"
         start = time.perf_counter()
@@ -158,7 +174,7 @@ def _run(path: Path, shown: str, name: str, command: Command, *, seconds: float)
             )
         except subprocess.TimeoutExpired:
             failure = f"no answer within {seconds:g} s"
-            return RobustnessRow(shown, name, "failed", failure, None, seconds, "", "")
+            return RobustnessRow(shown, name, "failed", failure, None, seconds, "", "", sha256)
         elapsed = time.perf_counter() - start
         failure = _failure(done, results)
     refused = done.returncode == _REFUSED
@@ -171,7 +187,9 @@ def _run(path: Path, shown: str, name: str, command: Command, *, seconds: float)
     lines = done.stderr.strip().splitlines()
     said = (lines[-1] if lines else "").replace(str(path), shown)
     code = done.returncode
-    return RobustnessRow(shown, name, verdict, failure, code, elapsed, "; ".join(wrong), said)
+    return RobustnessRow(
+        shown, name, verdict, failure, code, elapsed, "; ".join(wrong), said, sha256
+    )
 
 
 def _failure(done: subprocess.CompletedProcess[str], results: Path) -> str:
@@ -185,7 +203,10 @@ def _failure(done: subprocess.CompletedProcess[str], results: Path) -> str:
     left = sorted(path for path in results.rglob("*") if path.is_file())
     if done.returncode == _REFUSED:
         return _bad_refusal(done, left)
-    return next((problem for path in left if (problem := _damage(path))), "")
+    damage = next((problem for path in left if (problem := _damage(path))), "")
+    if damage or len(left) <= 1:  # a single file needs no result.json that vouches for it
+        return damage
+    return next(iter(folder_problems(results)), "")
 
 
 def _bad_refusal(done: subprocess.CompletedProcess[str], left: list[Path]) -> str:
@@ -212,10 +233,27 @@ def _damage(path: Path) -> str:
                 json.loads(text)
             except ValueError as error:
                 return f"{path.name} is no JSON: {error}"
+    if path.suffix == ".ply":
+        try:
+            read_mesh(path)  # which refuses coordinates that are not finite
+        except SherdError as error:
+            return f"{path.name} cannot be read back: {error}"
     return ""
 
 
-def _write(rows: list[RobustnessRow], output: Path) -> None:
+def _stored(output: Path, settings: dict[str, Any]) -> dict[tuple[str, str, str], RobustnessRow]:
+    """Rows without failure of an earlier run with the same settings, by what they are about."""
+    try:
+        content = json.loads((output / "robustness.json").read_text(encoding="utf-8"))
+        if {key: content[key] for key in settings} != settings:
+            return {}
+        rows = [RobustnessRow(**row) for row in content["rows"]]
+    except (OSError, ValueError, KeyError, TypeError):
+        return {}
+    return {(row.file, row.command, row.sha256): row for row in rows if row.verdict != "failed"}
+
+
+def _write(rows: list[RobustnessRow], output: Path, settings: dict[str, Any]) -> None:
     table = [asdict(row) for row in rows]
     stream = io.StringIO()
     writer = csv.DictWriter(stream, list(table[0]), lineterminator="\n")
@@ -226,5 +264,5 @@ def _write(rows: list[RobustnessRow], output: Path) -> None:
         verdict: sum(row.verdict == verdict for row in rows)
         for verdict in ("done", "refused", "failed")
     }
-    content = {"sherd": __version__, "total": total, "rows": table}
+    content = {**settings, "total": total, "rows": table}
     write_text(output / "robustness.json", json.dumps(content, indent=2) + "\n")

@@ -173,18 +173,16 @@ def robustness_command(
 ) -> int:
     """Run every file of a folder through check, locate and match, as full shape and as part.
 
-    Writes robustness.csv and robustness.json: file, what was wrong, what sherd said. Exit code 70
-    if any run ended in a traceback, a hang, a wrong exit code or a broken output.
+    Writes robustness.csv and robustness.json: file, what was wrong, what sherd said. Goes on where
+    an interrupted run stopped. Exit code 70 if any run ended in a traceback, a hang, a wrong exit
+    code or a broken output.
 
     \b
     Example:
       sherd bench robustness bad_meshes/ --command check -o robustness/
     """  # noqa: D301
-    failures = 0
 
     def tell(row: RobustnessRow) -> None:
-        nonlocal failures
-        failures += row.verdict == "failed"
         if row.verdict == "failed":
             click.echo(f"FAILED {row.command} {row.file}: {row.failure}")
 
@@ -200,5 +198,6 @@ def robustness_command(
             if name.split()[0] in names
         }
         rows = robustness(directory, output, commands=commands, seconds=seconds, progress=tell)
+    failures = sum(row.verdict == "failed" for row in rows)
     click.echo(f"{len(rows)} runs, {failures} failed; the table is in {output}")
     return INTERNAL if failures else 0
