@@ -9,6 +9,7 @@ References
 ----------
 Sorkine, Alexa, *As-rigid-as-possible surface modeling*, 2007, equations 3, 5 and 8.
 Horn, *Closed-form solution of absolute orientation using unit quaternions*, 1987, section 4.
+Theobald, *Rapid calculation of RMSDs using a quaternion-based characteristic polynomial*, 2005.
 """
 
 from __future__ import annotations
@@ -19,6 +20,9 @@ import numba
 import numpy as np
 
 __all__ = ["fit_rotations", "relax_positions", "softened", "strains"]
+
+# The root is off by 1e-16 over its gap, and the eigenvector by that over the gap again: six digits.
+SMALLEST_GAP = 1e-5
 
 
 @numba.njit(cache=True, parallel=True)
@@ -37,9 +41,53 @@ def fit_rotations(pointers, neighbors, weights, rest, positions, rotations):  # 
 
 @numba.njit(cache=True)
 def _closest_rotation(a, rotation):  # type: ignore[no-untyped-def]
-    """Rotation R of largest trace(R' a): the top eigenvector of Horn's matrix is its quaternion."""
-    s = a.T
+    """Rotation R of largest trace(R' a): the top eigenvector of Horn's matrix is its quaternion.
+
+    The largest eigenvalue is the root of the characteristic polynomial that Newton's method
+    reaches from above (Theobald 2005); its eigenvector is a column of the adjugate matrix. Where
+    it is nearly a double root, as for an edge alone, the general solver decides.
+    """
+    norm = 0.0
+    for r in range(3):
+        for c in range(3):
+            norm += a[r, c] * a[r, c]
+    norm = math.sqrt(norm)
+    if norm == 0.0:
+        rotation[:] = np.eye(3)
+        return
     h = np.empty((4, 4))
+    _horn(a, norm, h)
+    top = _largest_root(h)
+    for k in range(4):
+        h[k, k] -= top
+    best, size = 0, 0.0
+    quaternion = np.empty((4, 4))
+    for k in range(4):
+        total = 0.0
+        for j in range(4):
+            quaternion[k, j] = _cofactor(h, k, j)
+            total += quaternion[k, j] * quaternion[k, j]
+        if total > size:
+            best, size = k, total
+    # the adjugate is the product of the three gaps to the other eigenvalues, and h has norm 1
+    if size < SMALLEST_GAP * SMALLEST_GAP:
+        for k in range(4):
+            h[k, k] += top
+        w, x, y, z = np.linalg.eigh(h)[1][:, 3]
+    else:
+        w, x, y, z = quaternion[best] / math.sqrt(size)
+    rotation[0, 0] = w * w + x * x - y * y - z * z
+    rotation[1, 1] = w * w - x * x + y * y - z * z
+    rotation[2, 2] = w * w - x * x - y * y + z * z
+    rotation[0, 1], rotation[1, 0] = 2 * (x * y - w * z), 2 * (x * y + w * z)
+    rotation[0, 2], rotation[2, 0] = 2 * (x * z + w * y), 2 * (x * z - w * y)
+    rotation[1, 2], rotation[2, 1] = 2 * (y * z - w * x), 2 * (y * z + w * x)
+
+
+@numba.njit(cache=True)
+def _horn(a, norm, h):  # type: ignore[no-untyped-def]
+    """Horn's symmetric matrix (4, 4) of a (3, 3), over its norm."""
+    s = a.T / norm
     h[0, 0] = s[0, 0] + s[1, 1] + s[2, 2]
     h[1, 1] = s[0, 0] - s[1, 1] - s[2, 2]
     h[2, 2] = -s[0, 0] + s[1, 1] - s[2, 2]
@@ -50,36 +98,42 @@ def _closest_rotation(a, rotation):  # type: ignore[no-untyped-def]
     h[1, 2] = h[2, 1] = s[0, 1] + s[1, 0]
     h[1, 3] = h[3, 1] = s[2, 0] + s[0, 2]
     h[2, 3] = h[3, 2] = s[1, 2] + s[2, 1]
-    w, x, y, z = np.linalg.eigh(h)[1][:, 3]
-    rotation[0, 0] = w * w + x * x - y * y - z * z
-    rotation[1, 1] = w * w - x * x + y * y - z * z
-    rotation[2, 2] = w * w - x * x - y * y + z * z
-    rotation[0, 1], rotation[1, 0] = 2 * (x * y - w * z), 2 * (x * y + w * z)
-    rotation[0, 2], rotation[2, 0] = 2 * (x * z + w * y), 2 * (x * z - w * y)
-    rotation[1, 2], rotation[2, 1] = 2 * (y * z - w * x), 2 * (y * z + w * x)
 
 
 @numba.njit(cache=True)
-def _apply(pointers, neighbors, weights, data, x, out):  # type: ignore[no-untyped-def]
-    for i in range(len(x)):
-        for r in range(3):
-            total = data[i, r, 0] * x[i, 0] + data[i, r, 1] * x[i, 1] + data[i, r, 2] * x[i, 2]
-            for entry in range(pointers[i], pointers[i + 1]):
-                total += weights[entry] * (x[i, r] - x[neighbors[entry], r])
-            out[i, r] = total
+def _largest_root(h):  # type: ignore[no-untyped-def]
+    """Largest eigenvalue of a symmetric traceless (4, 4), by Newton's method from above."""
+    # x^4 + c2 x^2 + c1 x + c0, by the sums of squares and cubes of the eigenvalues
+    square = h @ h
+    c2 = -0.5 * np.trace(square)
+    c1 = -(square * h).sum() / 3.0
+    c0 = 0.0
+    for j in range(4):
+        c0 += h[0, j] * _cofactor(h, 0, j)
+    x = math.sqrt(-1.5 * c2)  # no eigenvalue of four with sum zero is larger
+    for _ in range(50):
+        value = ((x * x + c2) * x + c1) * x + c0
+        slope = (4.0 * x * x + 2.0 * c2) * x + c1
+        if slope <= 0.0:
+            break
+        step = value / slope
+        x -= step
+        if abs(step) < 1e-14 * x:
+            break
+    return x
 
 
-@numba.njit(cache=True)
-def _right_side(pointers, neighbors, weights, rest, rotations, pull, out):  # type: ignore[no-untyped-def]
-    for i in range(len(rest)):
-        for r in range(3):
-            total = pull[i, r]
-            for entry in range(pointers[i], pointers[i + 1]):
-                j = neighbors[entry]
-                for c in range(3):
-                    turn = 0.5 * (rotations[i, r, c] + rotations[j, r, c])
-                    total += weights[entry] * turn * (rest[i, c] - rest[j, c])
-            out[i, r] = total
+@numba.njit(cache=True, inline="always")
+def _cofactor(h, row, column):  # type: ignore[no-untyped-def]
+    r0, r1, r2 = (row + 1) % 4, (row + 2) % 4, (row + 3) % 4
+    c0, c1, c2 = (column + 1) % 4, (column + 2) % 4, (column + 3) % 4
+    minor = (
+        h[r0, c0] * (h[r1, c1] * h[r2, c2] - h[r1, c2] * h[r2, c1])
+        - h[r0, c1] * (h[r1, c0] * h[r2, c2] - h[r1, c2] * h[r2, c0])
+        + h[r0, c2] * (h[r1, c0] * h[r2, c1] - h[r1, c1] * h[r2, c0])
+    )
+    # a cyclic order of three is an even permutation, so the signs are those of the sorted rows
+    return minor if (row + column) % 2 == 0 else -minor
 
 
 @numba.njit(cache=True)
@@ -90,52 +144,103 @@ def relax_positions(  # type: ignore[no-untyped-def]  # noqa: PLR0913
 
     They start from `positions`; `pull` (n, 3) are the data matrices times their targets.
     Preconditioned by the inverse of the 3 x 3 diagonal blocks; stops when the residual has
-    fallen by `tolerance`, or after `limit` steps.
+    fallen by `tolerance`, or after `limit` steps. On one core: a step is shorter than what it
+    costs to wait for another core that is busy with something else.
     """
     count = len(rest)
     x = positions.copy()
-    right = np.empty((count, 3))
-    _right_side(pointers, neighbors, weights, rest, rotations, pull, right)
-    product = np.empty((count, 3))
-    _apply(pointers, neighbors, weights, data, x, product)
-    inverse = np.empty((count, 3, 3))
+    residual, z, product = np.empty((count, 3)), np.empty((count, 3)), np.empty((count, 3))
+    blocks, inverse = np.empty((count, 6)), np.empty((count, 6))
+    rho = 0.0
     for i in range(count):
-        block = data[i].copy()
-        diagonal = 1e-12
-        for entry in range(pointers[i], pointers[i + 1]):
-            diagonal += weights[entry]
+        _blocks(i, pointers, weights, data, blocks, inverse)
+        _multiply(i, pointers, neighbors, weights, blocks, x, product)
+        _right_side(i, pointers, neighbors, weights, rest, rotations, pull, residual)
         for r in range(3):
-            block[r, r] += diagonal
-        inverse[i] = np.linalg.inv(block)
-    residual = right - product
-    z = np.empty((count, 3))
-    _precondition(inverse, residual, z)
+            residual[i, r] -= product[i, r]
+        rho += _precondition(i, inverse, residual, z)
     direction = z.copy()
-    rho = (residual * z).sum()
     goal = rho * tolerance * tolerance
     for _ in range(limit):
         if rho <= goal or rho <= 0.0:
             break
-        _apply(pointers, neighbors, weights, data, direction, product)
-        alpha = rho / (direction * product).sum()
-        x += alpha * direction
-        residual -= alpha * product
-        _precondition(inverse, residual, z)
-        following = (residual * z).sum()
-        direction = z + (following / rho) * direction
+        bend = 0.0
+        for i in range(count):
+            bend += _multiply(i, pointers, neighbors, weights, blocks, direction, product)
+        alpha = rho / bend
+        following = 0.0
+        for i in range(count):
+            for r in range(3):
+                x[i, r] += alpha * direction[i, r]
+                residual[i, r] -= alpha * product[i, r]
+            following += _precondition(i, inverse, residual, z)
+        beta = following / rho
+        for i in range(count):
+            for r in range(3):
+                direction[i, r] = z[i, r] + beta * direction[i, r]
         rho = following
     return x
 
 
-@numba.njit(cache=True)
-def _precondition(inverse, residual, out):  # type: ignore[no-untyped-def]
-    for i in range(len(residual)):
-        for r in range(3):
-            out[i, r] = (
-                inverse[i, r, 0] * residual[i, 0]
-                + inverse[i, r, 1] * residual[i, 1]
-                + inverse[i, r, 2] * residual[i, 2]
-            )
+@numba.njit(cache=True, inline="always")
+def _blocks(i, pointers, weights, data, blocks, inverse):  # type: ignore[no-untyped-def]
+    """Write the diagonal block of one vertex, (xx, xy, xz, yy, yz, zz), and its inverse."""
+    diagonal = 1e-12
+    for entry in range(pointers[i], pointers[i + 1]):
+        diagonal += weights[entry]
+    xx, yy, zz = data[i, 0, 0] + diagonal, data[i, 1, 1] + diagonal, data[i, 2, 2] + diagonal
+    xy, xz, yz = data[i, 0, 1], data[i, 0, 2], data[i, 1, 2]
+    block = (xx, xy, xz, yy, yz, zz)
+    minors = (
+        yy * zz - yz * yz, xz * yz - xy * zz, xy * yz - xz * yy,
+        xx * zz - xz * xz, xy * xz - xx * yz, xx * yy - xy * xy,
+    )  # fmt: skip
+    scale = 1.0 / (xx * minors[0] + xy * minors[1] + xz * minors[2])
+    for k in range(6):
+        blocks[i, k] = block[k]
+        inverse[i, k] = scale * minors[k]
+
+
+@numba.njit(cache=True, inline="always")
+def _multiply(i, pointers, neighbors, weights, blocks, x, out):  # type: ignore[no-untyped-def]
+    """Row i of the energy's matrix times x, into `out`; returns its product with x."""
+    b = blocks[i]
+    x0, x1, x2 = x[i, 0], x[i, 1], x[i, 2]
+    t0 = b[0] * x0 + b[1] * x1 + b[2] * x2
+    t1 = b[1] * x0 + b[3] * x1 + b[4] * x2
+    t2 = b[2] * x0 + b[4] * x1 + b[5] * x2
+    for entry in range(pointers[i], pointers[i + 1]):
+        j, weight = neighbors[entry], weights[entry]
+        t0 -= weight * x[j, 0]
+        t1 -= weight * x[j, 1]
+        t2 -= weight * x[j, 2]
+    out[i, 0], out[i, 1], out[i, 2] = t0, t1, t2
+    return t0 * x0 + t1 * x1 + t2 * x2
+
+
+@numba.njit(cache=True, inline="always")
+def _right_side(i, pointers, neighbors, weights, rest, rotations, pull, out):  # type: ignore[no-untyped-def]
+    t0, t1, t2 = pull[i, 0], pull[i, 1], pull[i, 2]
+    for entry in range(pointers[i], pointers[i + 1]):
+        j, weight = neighbors[entry], 0.5 * weights[entry]
+        for c in range(3):
+            edge = weight * (rest[i, c] - rest[j, c])
+            t0 += (rotations[i, 0, c] + rotations[j, 0, c]) * edge
+            t1 += (rotations[i, 1, c] + rotations[j, 1, c]) * edge
+            t2 += (rotations[i, 2, c] + rotations[j, 2, c]) * edge
+    out[i, 0], out[i, 1], out[i, 2] = t0, t1, t2
+
+
+@numba.njit(cache=True, inline="always")
+def _precondition(i, inverse, residual, out):  # type: ignore[no-untyped-def]
+    """Row i of the inverse blocks times the residual, into `out`; returns their product."""
+    b = inverse[i]
+    x0, x1, x2 = residual[i, 0], residual[i, 1], residual[i, 2]
+    t0 = b[0] * x0 + b[1] * x1 + b[2] * x2
+    t1 = b[1] * x0 + b[3] * x1 + b[4] * x2
+    t2 = b[2] * x0 + b[4] * x1 + b[5] * x2
+    out[i, 0], out[i, 1], out[i, 2] = t0, t1, t2
+    return t0 * x0 + t1 * x1 + t2 * x2
 
 
 @numba.njit(cache=True, parallel=True)

@@ -18,12 +18,14 @@ votes weighted by vertex area (meshing cancels), several radii.
 
 from __future__ import annotations
 
+import math
+
 import numba
 import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
-from sherd.descriptors.shot_kernel import AZIMUTHS, BINS, shot_histograms
+from sherd.descriptors.shot_kernel import AZIMUTHS, BINS, sorted_into_cells, vote
 
 __all__ = [
     "mirrored_spectra",
@@ -66,15 +68,22 @@ def rotation_spectra(
     radii
         Radii of the neighborhoods, in the unit of `vertices`.
     """
-    histograms = shot_histograms(
-        vertices, normals, weights, queries, x_axes=x_axes, z_axes=z_axes, radii=radii
-    )
-    waves = np.fft.rfft(histograms, axis=2).transpose(2, 0, 1, 3)
-    flat = waves.reshape(_FREQUENCIES, len(queries), len(radii) * BINS)
+    cells = sorted_into_cells(vertices, max(radii))
+    result = np.empty((_FREQUENCIES, len(queries), 2 * len(radii) * BINS), dtype=np.float32)
+    _describe(
+        np.ascontiguousarray(vertices), np.ascontiguousarray(normals), weights, queries,
+        np.ascontiguousarray(x_axes), np.ascontiguousarray(z_axes), np.array(radii),
+        cells, _wave_table(), result,
+    )  # fmt: skip
+    return result
+
+
+def _wave_table() -> Floats:
+    """Real and imaginary waves (5, 2, 8) of the Fourier transform over 8 azimuth bins."""
     # Parseval over 8 bins: frequencies 1 to 3 stand for two waves each
-    share = np.array([1.0, 2.0, 2.0, 2.0, 1.0]) / AZIMUTHS
-    scaled = flat * np.sqrt(share)[:, None, None]
-    return np.concatenate([scaled.real, scaled.imag], axis=2).astype(np.float32)
+    share = np.sqrt(np.array([1.0, 2.0, 2.0, 2.0, 1.0]) / AZIMUTHS)
+    angles = 2.0 * np.pi * np.outer(np.arange(_FREQUENCIES), np.arange(AZIMUTHS)) / AZIMUTHS
+    return share[:, None, None] * np.stack([np.cos(angles), -np.sin(angles)], axis=1)
 
 
 def weighted_spectra(spectra: Singles, weights: NDArray[np.floating]) -> Singles:
@@ -158,6 +167,28 @@ def _shift_table(shifts: int) -> Singles:
         if 0 < frequency < _FREQUENCIES - 1:
             table[_FREQUENCIES + frequency - 1] = -np.sin(frequency * angles)
     return table
+
+
+# Each histogram becomes a spectrum at once: all of them together would be four times the result.
+@numba.njit(cache=True, parallel=True)
+def _describe(vertices, normals, weights, queries, x_axes, z_axes, radii, cells, waves, result):  # type: ignore[no-untyped-def]  # noqa: PLR0913
+    """Write the spectra (5, q, 2 c) of the query vertices."""
+    half = len(radii) * BINS
+    for row in numba.prange(len(queries)):
+        histogram = np.zeros((len(radii), AZIMUTHS, BINS))
+        frame = (x_axes[row], z_axes[row])
+        vote(vertices, normals, weights, queries[row], frame, radii, cells, histogram)
+        for k in range(len(radii)):
+            norm = math.sqrt((histogram[k] ** 2).sum())
+            scale = 1.0 / norm if norm > 0.0 else 1.0
+            for frequency in range(_FREQUENCIES):
+                for part in range(2):
+                    start = part * half + k * BINS
+                    for entry in range(BINS):
+                        total = 0.0
+                        for azimuth in range(AZIMUTHS):
+                            total += histogram[k, azimuth, entry] * waves[frequency, part, azimuth]
+                        result[frequency, row, start + entry] = scale * total
 
 
 @numba.njit(cache=True, parallel=True, fastmath={"reassoc", "contract"})

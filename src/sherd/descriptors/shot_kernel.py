@@ -8,7 +8,14 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["AZIMUTHS", "BINS", "neighborhood_moments", "shot_histograms"]
+__all__ = [
+    "AZIMUTHS",
+    "BINS",
+    "neighborhood_moments",
+    "shot_histograms",
+    "sorted_into_cells",
+    "vote",
+]
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -63,9 +70,9 @@ def shot_histograms(
     description*, 2014, section 4. Deviation: neighbors weigh their area, not 1, so that the
     meshing does not matter.
     """
-    cells = _cells(vertices, max(radii))
+    cells = sorted_into_cells(vertices, max(radii))
     histograms = np.zeros((len(queries), len(radii), AZIMUTHS, BINS))
-    _vote(
+    _vote_all(
         np.ascontiguousarray(vertices), np.ascontiguousarray(normals), weights, queries,
         np.ascontiguousarray(x_axes), np.ascontiguousarray(z_axes), np.array(radii),
         cells, histograms,
@@ -85,12 +92,12 @@ def neighborhood_moments(
     """
     covariance = np.zeros((len(queries), 3, 3))
     mean = np.zeros((len(queries), 3))
-    cells = _cells(vertices, radius)
+    cells = sorted_into_cells(vertices, radius)
     _moments(np.ascontiguousarray(vertices), weights, queries, radius, cells, covariance, mean)
     return covariance, mean
 
 
-def _cells(vertices: Floats, reach: float) -> tuple[Ints, Ints, Floats, float, Ints]:
+def sorted_into_cells(vertices: Floats, reach: float) -> tuple[Ints, Ints, Floats, float, Ints]:
     """Sort the vertices into cubes at least `reach` wide, at most 64 along each axis."""
     origin = vertices.min(axis=0)
     extent = float((vertices.max(axis=0) - origin).max())
@@ -104,53 +111,60 @@ def _cells(vertices: Floats, reach: float) -> tuple[Ints, Ints, Floats, float, I
 
 
 @numba.njit(cache=True, parallel=True)
-def _vote(vertices, normals, weights, queries, x_axes, z_axes, radii, cells, histograms):  # type: ignore[no-untyped-def]  # noqa: PLR0913
-    """Add the votes of all neighbors of each query to its histograms."""
+def _vote_all(vertices, normals, weights, queries, x_axes, z_axes, radii, cells, histograms):  # type: ignore[no-untyped-def]  # noqa: PLR0913
+    for row in numba.prange(len(queries)):
+        frame = (x_axes[row], z_axes[row])
+        vote(vertices, normals, weights, queries[row], frame, radii, cells, histograms[row])
+
+
+@numba.njit(cache=True)
+def vote(vertices, normals, weights, query, frame, radii, cells, histogram):  # type: ignore[no-untyped-def]
+    """Add the votes of all neighbors of one vertex to its histogram (r, 8, 44).
+
+    `frame` are its x and z axis; `cells` are those of :func:`sorted_into_cells`.
+    """
     # Scalars instead of small arrays: an allocation per neighbor would triple the time.
     order, starts, origin, size, shape = cells
+    x_axis, z_axis = frame
     reach = radii.max()
-    for row in numba.prange(len(queries)):
-        query = queries[row]
-        px, py, pz = vertices[query, 0], vertices[query, 1], vertices[query, 2]
-        x0, x1, x2 = x_axes[row, 0], x_axes[row, 1], x_axes[row, 2]
-        z0, z1, z2 = z_axes[row, 0], z_axes[row, 1], z_axes[row, 2]
-        y0, y1, y2 = z1 * x2 - z2 * x1, z2 * x0 - z0 * x2, z0 * x1 - z1 * x0
-        ci = math.floor((px - origin[0]) / size)
-        cj = math.floor((py - origin[1]) / size)
-        ck = math.floor((pz - origin[2]) / size)
-        k_low, k_high = max(ck - 1, 0), min(ck + 2, shape[2])
-        for i in range(max(ci - 1, 0), min(ci + 2, shape[0])):
-            for j in range(max(cj - 1, 0), min(cj + 2, shape[1])):
-                first = (i * shape[1] + j) * shape[2]
-                for entry in range(starts[first + k_low], starts[first + k_high]):
-                    other = order[entry]
-                    weight = weights[other]
-                    if other == query or weight == 0.0:
-                        continue
-                    dx, dy, dz = (
-                        vertices[other, 0] - px,
-                        vertices[other, 1] - py,
-                        vertices[other, 2] - pz,
-                    )
-                    distance = math.sqrt(dx * dx + dy * dy + dz * dz)
-                    if distance >= reach or distance == 0.0:
-                        continue
-                    cosine = (
-                        normals[other, 0] * z0 + normals[other, 1] * z1 + normals[other, 2] * z2
-                    )
-                    along, across = dx * x0 + dy * x1 + dz * x2, dx * y0 + dy * y1 + dz * y2
-                    height = (dx * z0 + dy * z1 + dz * z2) / distance
-                    azimuth = (math.atan2(across, along) / (2 * math.pi) + 1.0) % 1.0
-                    for k in range(len(radii)):
-                        if distance < radii[k]:
-                            _add(
-                                histograms, row, k, weight,
-                                azimuth, height, distance / radii[k], cosine,
-                            )  # fmt: skip
+    px, py, pz = vertices[query, 0], vertices[query, 1], vertices[query, 2]
+    x0, x1, x2 = x_axis[0], x_axis[1], x_axis[2]
+    z0, z1, z2 = z_axis[0], z_axis[1], z_axis[2]
+    y0, y1, y2 = z1 * x2 - z2 * x1, z2 * x0 - z0 * x2, z0 * x1 - z1 * x0
+    ci = math.floor((px - origin[0]) / size)
+    cj = math.floor((py - origin[1]) / size)
+    ck = math.floor((pz - origin[2]) / size)
+    k_low, k_high = max(ck - 1, 0), min(ck + 2, shape[2])
+    for i in range(max(ci - 1, 0), min(ci + 2, shape[0])):
+        for j in range(max(cj - 1, 0), min(cj + 2, shape[1])):
+            first = (i * shape[1] + j) * shape[2]
+            for entry in range(starts[first + k_low], starts[first + k_high]):
+                other = order[entry]
+                weight = weights[other]
+                if other == query or weight == 0.0:
+                    continue
+                dx, dy, dz = (
+                    vertices[other, 0] - px,
+                    vertices[other, 1] - py,
+                    vertices[other, 2] - pz,
+                )
+                distance = math.sqrt(dx * dx + dy * dy + dz * dz)
+                if distance >= reach or distance == 0.0:
+                    continue
+                cosine = normals[other, 0] * z0 + normals[other, 1] * z1 + normals[other, 2] * z2
+                along, across = dx * x0 + dy * x1 + dz * x2, dx * y0 + dy * y1 + dz * y2
+                height = (dx * z0 + dy * z1 + dz * z2) / distance
+                azimuth = (math.atan2(across, along) / (2 * math.pi) + 1.0) % 1.0
+                for k in range(len(radii)):
+                    if distance < radii[k]:
+                        _add(
+                            histogram, k, weight,
+                            azimuth, height, distance / radii[k], cosine,
+                        )  # fmt: skip
 
 
 @numba.njit(cache=True, inline="always")
-def _add(histograms, row, k, weight, azimuth, height, radius, cosine):  # type: ignore[no-untyped-def]
+def _add(histogram, k, weight, azimuth, height, radius, cosine):  # type: ignore[no-untyped-def]
     """Share one vote linearly between the two nearest bins of each of the four coordinates."""
     at_azimuth = azimuth * AZIMUTHS
     at_height = (min(1.0, max(-1.0, height)) + 1.0) * 0.5 * ELEVATIONS - 0.5
@@ -170,9 +184,7 @@ def _add(histograms, row, k, weight, azimuth, height, radius, cosine):  # type: 
                 base = (h * SHELLS + r) * COSINES
                 for step_c in range(2):
                     c = min(COSINES - 1, max(0, c0 + step_c))
-                    histograms[row, k, a, base + c] += share_r * (
-                        1.0 - abs(at_cosine - c0 - step_c)
-                    )
+                    histogram[k, a, base + c] += share_r * (1.0 - abs(at_cosine - c0 - step_c))
 
 
 @numba.njit(cache=True, parallel=True)
