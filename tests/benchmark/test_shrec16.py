@@ -4,19 +4,23 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 import trimesh
 
-from sherd.benchmark import shrec16
+from sherd.benchmark import match_benchmark
+from sherd.benchmark.match_page import write_benchmark_page
+from sherd.benchmark.match_row import BenchmarkSettings
+from sherd.benchmark.match_summary import summary_table
 from sherd.benchmark.metrics import (
     GroundTruthDistances,
     cumulative_curve,
     region_overlap,
     vertex_mask,
 )
-from sherd.benchmark.shrec16 import BenchmarkSettings, shrec16_benchmark, shrec16_table
+from sherd.benchmark.shrec16 import shrec16_benchmark
 from sherd.errors import OptionError
 from sherd.mesh.files import write_mesh
 from sherd.mesh.surface_points import SurfacePoints, closest_points, points_at_vertices
@@ -81,30 +85,47 @@ def _write_truth(path: Path, part: Fragment) -> None:
 def test_a_run_measures_writes_and_resumes(
     folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    settings = BenchmarkSettings(kinds=("cuts",), rotate=True)
-    rows = shrec16_benchmark(folder, output=tmp_path, settings=settings)
-    assert [row.pair for row in rows] == ["cuts_animal_shape_1"]
-    assert rows[0].mean < 0.02
-    assert rows[0].iou > 0.9
-    assert np.isnan(rows[0].flips)  # no mirror map was given
-    document = json.loads((tmp_path / "bench.json").read_text())
+    settings = BenchmarkSettings(rotate=True)
+    document = shrec16_benchmark(folder, output=tmp_path, kinds=("cuts",), settings=settings)
+    (row,) = document["rows"]
+    assert row["pair"] == "cuts_animal_shape_1"
+    assert row["mean"] < 0.02
+    assert row["near"] > 0.9
+    assert row["iou"] > 0.9
+    assert row["iou_vertices"] > 0.8
+    assert row["flips"] is None  # no mirror map was given
+    assert row["recognized"] is None  # every vertex has a place
     assert document["totals"]["cuts"]["pairs"] == 1
     assert document["settings"]["rotate"] is True
-    assert "cuts: 1 pairs" in shrec16_table(rows)
+    stages = document["totals"]["cuts"]["stages"]
+    assert sum(stages.values()) == pytest.approx(sum(row["seconds"].values()))
+    assert "cuts: 1 pairs" in summary_table(document)
+    assert json.loads((tmp_path / "bench.json").read_text()) == document
 
     def refuse(*_: object) -> None:
         raise AssertionError("measured again")
 
-    monkeypatch.setattr(shrec16, "_measured", refuse)
-    again = shrec16_benchmark(folder, output=tmp_path, settings=settings)
-    assert again[0].mean == rows[0].mean
+    monkeypatch.setattr(match_benchmark, "measured", refuse)
+    again = shrec16_benchmark(folder, output=tmp_path, kinds=("cuts",), settings=settings)
+    assert again == document
     # other settings are another measurement
     with pytest.raises(AssertionError, match="measured again"):
-        shrec16_benchmark(folder, output=tmp_path, settings=BenchmarkSettings(kinds=("cuts",)))
+        shrec16_benchmark(folder, output=tmp_path, kinds=("cuts",))
+    _page_shows(document, tmp_path)
+
+
+def _page_shows(document: dict[str, Any], output: Path) -> None:
+    write_benchmark_page(document, output)
+    page = (output / "bench.html").read_text(encoding="utf-8")
+    for words in ("region IoU (dense)", "region IoU (vertices hit)", "Seconds by stage", "anchors"):
+        assert words in page
+    assert "flips" not in page  # nothing is known of them
+    assert f"{100 * document['rows'][0]['mean']:.2f}</td>" in page
+    assert page.count("data:image/png") == 2
 
 
 def test_wrong_settings_are_refused(folder: Path, tmp_path: Path) -> None:
     with pytest.raises(OptionError, match="kinds"):
-        BenchmarkSettings(kinds=("scans",))
+        shrec16_benchmark(folder, output=tmp_path, kinds=("scans",))
     with pytest.raises(OptionError, match="jobs is 0"):
-        shrec16_benchmark(folder, output=tmp_path, jobs=0)
+        shrec16_benchmark(folder, output=tmp_path, jobs=0, kinds=("cuts",))

@@ -22,7 +22,7 @@ from sherd.spectral.sampling import decimate
 
 LEAVES = [
     *([name] for name in COMMANDS if name != "bench"),
-    *(["bench", name] for name in ("region", "paper", "shrec16", "robustness")),
+    *(["bench", name] for name in ("region", "paper", "shrec16", "faust", "smal", "robustness")),
 ]
 
 

@@ -1,4 +1,4 @@
-"""Readers of the data sets: pairs of a full shape and a part, with their ground truth."""
+"""The data set SHREC'16: its pairs, stored or meshed anew, with their ground truth."""
 
 from __future__ import annotations
 
@@ -9,30 +9,13 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from sherd.benchmark.pairs import Pair
 from sherd.errors import MeshFileError
 from sherd.mesh.files import read_mesh
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
 
-__all__ = ["Pair", "PairFiles", "rotated", "shrec16_pairs"]
-
-
-@dataclass(frozen=True, eq=False)
-class Pair:
-    """A full shape, a part of it, and where each vertex of the part lies on the full shape.
-
-    Attributes
-    ----------
-    truth, mirrored_truth
-        (n_part,) surface points on `full`: the true ones, and those of the left/right mirror map
-        where the data set has one, otherwise None.
-    """
-
-    name: str
-    full: TriangleMesh
-    part: TriangleMesh
-    truth: SurfacePoints
-    mirrored_truth: SurfacePoints | None
+__all__ = ["PairFiles", "shrec16_pairs"]
 
 
 @dataclass(frozen=True)
@@ -40,8 +23,15 @@ class PairFiles:
     """The files of one pair of SHREC'16, stored or meshed anew."""
 
     name: str
+    kind: str
     full: Path
     part: Path
+
+    @property
+    def inputs(self) -> tuple[Path, ...]:
+        """Meshes and ground truth."""
+        truths = [self.part.with_suffix(end) for end in (".baryc_gt", ".baryc_gt_sym")]
+        return (self.full, self.part, *truths)
 
     def load(self) -> Pair:
         """Read meshes and ground truth.
@@ -89,21 +79,13 @@ def shrec16_pairs(
         if match:
             name, number = match.group(1), int(match.group(2))
             full = directory / "null" / f"{name}.off"
-            found.append((number, name, PairFiles(part.stem, full, part)))
+            found.append((number, name, PairFiles(part.stem, kind, full, part)))
     if not found:
         raise MeshFileError(
             f"{folder}: holds no files named {kind}_<class>_shape_<number>.off; give the folder "
             "of SHREC'16 that has null/, cuts/ and holes/ in it"
         )
     return tuple(pair for _, _, pair in sorted(found, key=lambda entry: entry[:2]))
-
-
-def rotated(mesh: TriangleMesh, seed: int) -> TriangleMesh:
-    """The mesh turned at random, uniformly over all rotations."""
-    frame, triangular = np.linalg.qr(np.random.default_rng(seed).normal(size=(3, 3)))
-    frame = frame * np.sign(np.diag(triangular))
-    frame[:, 0] *= np.sign(np.linalg.det(frame))
-    return mesh.with_vertices(mesh.vertices @ frame.T)
 
 
 def _truth(path: Path, full: TriangleMesh, part: TriangleMesh) -> SurfacePoints:

@@ -11,8 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sherd._version import __version__
-from sherd.benchmark.datasets import Pair, rotated, shrec16_pairs
+from sherd.benchmark.datasets import shrec16_pairs
 from sherd.benchmark.metrics import region_overlap
+from sherd.benchmark.pairs import Pair, rotated
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.output import Stages, write_text
 from sherd.region.locate import locate

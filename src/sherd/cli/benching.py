@@ -11,14 +11,8 @@ from sherd.benchmark.degrade import KINDS, degrade_benchmark, degrade_table
 from sherd.benchmark.paper import paper_figures, paper_summary
 from sherd.benchmark.region import region_benchmark, region_table
 from sherd.benchmark.robustness import RobustnessRow, robustness, robustness_commands
-from sherd.benchmark.shrec16 import (
-    BenchmarkSettings,
-    shrec16_benchmark,
-    shrec16_summary,
-    shrec16_table,
-)
-from sherd.benchmark.shrec16_page import write_benchmark_page
 from sherd.benchmark.size import SIZES, size_benchmark, size_table
+from sherd.cli.bench_match import faust_command, shrec16_command, smal_command
 from sherd.cli.exits import INTERNAL
 from sherd.mesh.files import write_mesh
 from sherd.output import Stages
@@ -32,6 +26,10 @@ __all__ = ["bench_group"]
 @click.group("bench")
 def bench_group() -> None:
     """Measure accuracy and speed on data sets and generated shapes."""
+
+
+for command in (shrec16_command, faust_command, smal_command):
+    bench_group.add_command(command)
 
 
 @bench_group.command("region")
@@ -86,46 +84,6 @@ def paper_command(*, mesh: Path | None, data: Path | None, quick: bool, output: 
     result = paper_figures(output, mesh=mesh, quick=quick, data=data, stages=stages)
     stages.close()
     click.echo(f"{paper_summary(result)}\nOpen {output / 'paper.html'} to see it.")
-    return 0
-
-
-@bench_group.command("shrec16")
-@click.argument("directory", type=click.Path(path_type=Path))
-@click.option("--remeshed", type=click.Path(path_type=Path), help="Parts meshed anew.")
-@click.option("--kind", type=click.Choice(["cuts", "holes"]), multiple=True, help="Both if none.")
-@click.option("--rotate", is_flag=True, help="Turn every part at random.")
-@click.option("--unknown-scale", is_flag=True, help="Scale every part by 0.5 to 2, untold.")
-@click.option("--only", multiple=True, help="Names of parts; all if none.")
-@click.option("--jobs", type=int, default=1, show_default=True, help="Processes.")
-@click.option("-o", "--output", type=click.Path(path_type=Path), required=True, help="Folder.")
-def shrec16_command(
-    directory: Path,
-    *,
-    remeshed: Path | None,
-    kind: tuple[str, ...],
-    rotate: bool,
-    unknown_scale: bool,
-    only: tuple[str, ...],
-    jobs: int,
-    output: Path,
-) -> int:
-    """Match every part of a SHREC'16 folder and report errors, regions and times.
-
-    Writes bench.json and bench.html; goes on where an interrupted run stopped.
-
-    \b
-    Example:
-      sherd bench shrec16 shrec16/ --kind cuts --rotate -o bench/
-    """  # noqa: D301
-    settings = BenchmarkSettings(
-        kinds=kind or ("cuts", "holes"), rotate=rotate, unknown_scale=unknown_scale
-    )
-    rows = shrec16_benchmark(
-        directory, output=output, settings=settings, remeshed=remeshed, only=only, jobs=jobs
-    )
-    summary = shrec16_summary(rows, settings, remeshed=remeshed is not None)
-    write_benchmark_page(summary, output)
-    click.echo(f"{shrec16_table(rows)}\nOpen {output / 'bench.html'} to see it.")
     return 0
 
 

@@ -1,0 +1,149 @@
+"""Parts of animals matched with parts of other animals: SMAL shapes, cut on both sides."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sherd.benchmark.match_benchmark import match_benchmark
+from sherd.benchmark.match_row import BenchmarkSettings
+from sherd.benchmark.pairs import Pair
+from sherd.errors import MeshFileError
+from sherd.mesh.files import read_mesh
+from sherd.mesh.surface_points import points_at_vertices
+
+__all__ = ["AnimalParts", "smal_benchmark", "smal_pairs"]
+
+Ints = NDArray[np.int64]
+
+MAP_NAME = re.compile(r"(\w+?_\d+_([a-z]+)_\d+)_(\w+?_\d+_([a-z]+)_\d+)")
+
+
+@dataclass(frozen=True)
+class AnimalParts:
+    """The files of one pair: `part` is matched with `full`, itself a part of another animal.
+
+    Row i of `table` is the vertex of `full`, counted from 0, that vertex i of `part`
+    corresponds to, or -1 where `full` lacks it.
+    """
+
+    name: str
+    kind: str
+    full: Path
+    part: Path
+    table: Path
+
+    @property
+    def inputs(self) -> tuple[Path, ...]:
+        """Both meshes and the map."""
+        return (self.full, self.part, self.table)
+
+    def load(self) -> Pair:
+        """Read meshes and map. The truth is at vertices: right to about half an edge.
+
+        Raises
+        ------
+        MeshFileError
+            If a file is missing or the map does not fit the meshes.
+        """
+        full, part = read_mesh(self.full), read_mesh(self.part)
+        rows = _vertices(self.table, part.vertex_count, full.vertex_count)
+        present = rows >= 0
+        if not present.any():
+            raise MeshFileError(f"{self.table}: every row is -1, but some vertex must have a place")
+        anywhere = int(full.faces[0, 0])
+        truth = points_at_vertices(full, np.where(present, rows, anywhere))
+        return Pair(self.name, full, part, truth, None, present)
+
+
+def smal_pairs(directory: Path) -> tuple[AnimalParts, ...]:
+    """All pairs of a folder, by name, of kind ``"same species"`` or ``"other species"``.
+
+    Parameters
+    ----------
+    directory
+        Folder with ``shapes/<shape>.off`` and ``maps/<part>_<full>.vts``, a shape being called
+        ``cuts_<number>_<species>_<number>``.
+
+    Raises
+    ------
+    MeshFileError
+        If the folder holds no such map.
+    """
+    found = []
+    for table in sorted((directory / "maps").glob("*.vts")):
+        match = MAP_NAME.fullmatch(table.stem)
+        if match:
+            part, species, full, other = match.groups()
+            kind = "same species" if species == other else "other species"
+            shapes = directory / "shapes"
+            found.append(
+                AnimalParts(table.stem, kind, shapes / f"{full}.off", shapes / f"{part}.off", table)
+            )
+    if not found:
+        raise MeshFileError(
+            f"{directory / 'maps'}: holds no files named <part>_<full>.vts with shapes like "
+            "cuts_1_dog_06; give the folder that has maps/ and shapes/ in it"
+        )
+    return tuple(found)
+
+
+def smal_benchmark(
+    directory: Path,
+    *,
+    output: Path,
+    settings: BenchmarkSettings | None = None,
+    only: tuple[str, ...] = (),
+    jobs: int = 1,
+) -> dict[str, Any]:
+    """Match all pairs, write ``bench.json`` to `output`, and return its content.
+
+    `match` assumes that the full shape is full; here it is not, so some vertices of the part have
+    no place, and a part larger than the full shape is refused. Lengths are relative to the area of
+    the second shape as stored, a part.
+
+    Parameters
+    ----------
+    directory
+        See :func:`smal_pairs`.
+    output, settings, jobs
+        See :func:`sherd.benchmark.match_benchmark.match_benchmark`.
+    only
+        Names of the maps to measure; all if empty.
+
+    Raises
+    ------
+    MeshFileError
+        If a file is missing or damaged.
+    OptionError
+        If `jobs` is below 1.
+    """
+    sources = [pair for pair in smal_pairs(directory) if not only or pair.name in only]
+    words = {
+        "title": "parts of different animals (SMAL)",
+        "data": "SMAL, parts matched with parts; the method is not trained and takes the second "
+        "for a full shape; errors of vertices inside the overlap",
+        "meshes": "as stored",
+    }
+    return match_benchmark(
+        sources, output, settings=settings or BenchmarkSettings(), words=words, jobs=jobs
+    )
+
+
+def _vertices(path: Path, count: int, full_count: int) -> Ints:
+    try:
+        rows = np.loadtxt(path, dtype=np.int64, ndmin=1)
+    except (OSError, ValueError) as error:
+        raise MeshFileError(f"{path}: cannot be read as a map ({error})") from error
+    if rows.shape != (count,):
+        raise MeshFileError(
+            f"{path}: has shape {rows.shape}, but a row for each of the {count} vertices is needed"
+        )
+    if len(rows) and not -1 <= rows.min() <= rows.max() < full_count:
+        raise MeshFileError(f"{path}: names a vertex outside -1..{full_count - 1}")
+    return rows
