@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
 from sherd.descriptors.rotation_shot import rotation_spectra
 from sherd.descriptors.tangent_frames import geodesic_directions, smoothed_normals, tangent_axes
@@ -124,6 +125,11 @@ class Template:
         """Closest points on the placed shape, whose faces the user counts."""
         return self.finder if self.own_vertices is None else SurfaceFinder(self.placed)
 
+    @cached_property
+    def vertex_tree(self) -> cKDTree:
+        """The vertices of the unit shape, to find those near a place."""
+        return cKDTree(self.unit.vertices)
+
     @property
     def length(self) -> float:
         """sqrt(area) of the full shape, in its own unit."""
@@ -210,6 +216,12 @@ class Template:
             z_axes=self.normals[labels],
             near=NEAR,
         )
+
+    @cached_property
+    def label_headings(self) -> Singles:
+        """(s, s, 2) cosine and sine of `label_directions`."""
+        angles = self.label_directions
+        return np.stack([np.cos(angles), np.sin(angles)], axis=2)
 
     @cached_property
     def spectra(self) -> Singles:

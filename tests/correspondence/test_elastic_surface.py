@@ -90,7 +90,7 @@ def test_of_two_sheets_the_one_that_faces_the_right_way_is_taken() -> None:
 
 def test_a_cap_covers_its_own_vertices(ball: TriangleMesh) -> None:
     cap, kept = ball.submesh((ball.vertices[ball.faces, 2] > 0.05).all(axis=1))
-    mask = covered_vertices(SurfaceFinder(ball), ball, cap.vertices, cap.faces)
+    mask = covered_vertices(SurfaceFinder(ball), cap.vertices, cap.faces)
     truth = closest_points(ball, cap.vertices)
     assert (mask == true_region(ball, cap, truth)).mean() > 0.99
     assert mask[np.setdiff1d(kept, kept[cap.boundary_vertices])].all()

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse import csgraph
 
+from sherd.correspondence.guided import best_placed, guided_turns
 from sherd.correspondence.labeling import (
     ANGLE_SIGMA,
     LENGTH_SIGMA,
@@ -23,6 +24,7 @@ from sherd.correspondence.labeling import (
 __all__ = ["find_anchors", "grown"]
 
 Floats = NDArray[np.float64]
+Singles = NDArray[np.float32]
 Ints = NDArray[np.int64]
 
 # The right label is among the 30 most similar of 1,200 for nine nodes in ten of real cuts.
@@ -32,6 +34,7 @@ ROUNDS = 3
 # A node belongs to the core when over half of its near pairs agree.
 CORE_SHARE = 0.5
 CORE_REACH = 0.2
+SIGMAS = (LENGTH_SIGMA, STRETCH_SIGMA, ANGLE_SIGMA, LIMIT)
 # If nearly all nodes are core there is nothing to grow.
 GROWN_ENOUGH = 0.97
 
@@ -103,59 +106,33 @@ def _at(turn: Floats, labels: Ints) -> Floats:
     return np.take_along_axis(turn, labels, axis=1)
 
 
-def _misfit(problem: Problem, node: int, guides: Ints, state: tuple[Ints, Floats]) -> Floats:
-    """Cost (s,) of every label for `node`, seen from its guides: length and direction."""
-    labels, rotations = state
-    template = problem.template
-    length = problem.part.between[node, guides][:, None]
-    off = (template.label_to_label[labels[guides]] - length) / (
-        LENGTH_SIGMA + STRETCH_SIGMA * length
-    )
-    angle = (problem.part.directions[guides, node] - rotations[guides])[:, None]
-    turn = 2 * (1 - np.cos(angle - template.label_directions[labels[guides]])) / ANGLE_SIGMA**2
-    square = np.minimum(off**2, 1e12)  # labels on other components are infinitely far
-    cost = square / (1 + square / LIMIT) + 0.5 * turn / (1 + turn / LIMIT)
-    result: Floats = (cost * _nearness(length)).sum(axis=0)
-    return result
+def _full(problem: Problem) -> tuple[Singles, Singles]:
+    return problem.template.label_to_label, problem.template.label_headings
 
 
-def _nearness(length: Floats) -> Floats:
-    """Weight of a guide: geodesics longer than a limb's width say little about one point."""
-    return 1 / (1 + (length / 0.15) ** 2)
+def _part(problem: Problem) -> tuple[Floats, Singles]:
+    return problem.part.between, problem.part.directions
 
 
-def _consensus(problem: Problem, node: int, guides: Ints, state: tuple[Ints, Ints]) -> Floats:
-    """Rotation (c,) of `node` at candidate labels that agrees best with its guides."""
-    labels, at = state
-    weight = _nearness(problem.part.between[node, guides])[:, None]
-    angle = problem.part.directions[node, guides][:, None]
-    angle = angle - problem.template.label_directions[at][:, labels[guides]].T
-    result: Floats = np.angle((weight * np.exp(1j * angle)).sum(axis=0))
-    return result
-
-
-def _guides(problem: Problem, labeling: Labeling, node: int, count: int) -> Ints:
-    """Nodes near `node` whose own neighborhoods agree."""
-    rank = problem.part.between[node] + 0.15 * (labeling.local_cost > 1.5)
-    rank[node] = np.inf
-    order = np.argsort(rank, kind="stable")[:count]
-    near: Ints = order[np.isfinite(rank[order])]
-    return near
+def _guides(problem: Problem, labeling: Labeling, count: int) -> Ints:
+    """Nodes (k, count) near each node whose own neighborhoods agree; -1 where there are no more."""
+    rank = problem.part.between + 0.15 * (labeling.local_cost > 1.5)
+    np.fill_diagonal(rank, np.inf)
+    order = np.argsort(rank, axis=1, kind="stable")[:, :count]
+    guides: Ints = np.where(np.isfinite(np.take_along_axis(rank, order, axis=1)), order, -1)
+    return guides
 
 
 def _proposals(problem: Problem, labeling: Labeling) -> tuple[Ints, Floats]:
     """Labels (k, p) and rotations where the neighbors of each node place it."""
-    count = len(labeling.labels)
-    labels = np.repeat(labeling.labels[:, None], PROPOSALS, axis=1)
-    rotations = np.repeat(labeling.rotations[:, None], PROPOSALS, axis=1)
-    for node in range(count):
-        guides = _guides(problem, labeling, node, 14)
-        if len(guides) == 0:
-            continue
-        cost = _misfit(problem, node, guides, (labeling.labels, labeling.rotations))
-        best = np.argsort(cost, kind="stable")[:PROPOSALS]
-        labels[node] = best
-        rotations[node] = _consensus(problem, node, guides, (labeling.labels, best))
+    nodes = np.arange(len(labeling.labels))
+    guides = _guides(problem, labeling, 14)
+    state = (labeling.labels, labeling.rotations)
+    part, full = _part(problem), _full(problem)
+    labels, _ = best_placed(nodes, guides, part, full, state, SIGMAS, PROPOSALS)
+    rotations = guided_turns(nodes, guides, labels, part, full, state)
+    alone = guides[:, 0] < 0
+    labels[alone], rotations[alone] = labeling.labels[alone, None], labeling.rotations[alone, None]
     return labels, rotations
 
 
@@ -189,27 +166,30 @@ def _best_from(
 ) -> tuple[int, float]:
     """The label and rotation of one node by its guides, similarity deciding among the 25 best."""
     labels, rotations, step = state
-    misfit = _misfit(problem, node, guides, (labels, rotations))
-    at = np.argsort(misfit, kind="stable")[:25]
-    turn = _consensus(problem, node, guides, (labels, at))
+    nodes, rows = np.array([node]), guides[None, :]
+    part, full = _part(problem), _full(problem)
+    at, misfit = best_placed(nodes, rows, part, full, (labels, rotations), SIGMAS, 25)
+    turn = guided_turns(nodes, rows, at, part, full, (labels, rotations))[0]
     shifts = problem.similarity.shape[2]
     shift = np.round(turn / (2 * np.pi) * shifts).astype(np.int64) % shifts
-    lack = (problem.similarity[node].max() - problem.similarity[node, at, shift]) / step
-    cost = misfit[at] + 0.5 * UNARY_WEIGHT * lack / (1 + lack / SIMILARITY_LIMIT)
+    lack = (problem.similarity[node].max() - problem.similarity[node, at[0], shift]) / step
+    cost = misfit[0] + 0.5 * UNARY_WEIGHT * lack / (1 + lack / SIMILARITY_LIMIT)
     best = int(cost.argmin())
-    return int(at[best]), float(turn[best])
+    return int(at[0, best]), float(turn[best])
 
 
 def _local_candidates(problem: Problem, labeling: Labeling) -> tuple[Ints, Floats]:
     """Where each node is, where its neighbors place it, and the 16 labels around."""
     proposed, turns = _proposals(problem, labeling)
     around = np.argsort(problem.template.label_to_label[labeling.labels], axis=1, kind="stable")
-    around = around[:, :16]
-    around_turns = np.repeat(labeling.rotations[:, None], around.shape[1], axis=1)
-    for node in range(len(around)):
-        guides = _guides(problem, labeling, node, 8)
-        if len(guides):
-            around_turns[node] = _consensus(problem, node, guides, (labeling.labels, around[node]))
+    around = np.ascontiguousarray(around[:, :16])
+    guides = _guides(problem, labeling, 8)
+    state = (labeling.labels, labeling.rotations)
+    around_turns = guided_turns(
+        np.arange(len(around)), guides, around, _part(problem), _full(problem), state
+    )
+    alone = guides[:, 0] < 0
+    around_turns[alone] = labeling.rotations[alone, None]
     labels = np.concatenate([labeling.labels[:, None], proposed, around], axis=1)
     rotations = np.concatenate([labeling.rotations[:, None], turns, around_turns], axis=1)
     return labels, rotations

@@ -13,7 +13,13 @@ from numpy.typing import NDArray
 from sherd.correspondence.anchors import find_anchors
 from sherd.correspondence.hypothesis import Hypothesis, Queries, mirrored_queries, settled
 from sherd.correspondence.labeling import SIMILARITY_STEP, Labeling, make_problem
-from sherd.correspondence.part_data import PartData, mirrored, part_spectra
+from sherd.correspondence.part_data import (
+    PartData,
+    mirrored,
+    part_spectra,
+    trusted_by_cut,
+    trusted_equally,
+)
 from sherd.descriptors.rotation_shot import pooled_similarity
 from sherd.template import Template
 
@@ -45,10 +51,13 @@ def anchored(
     With `inside`, spectra of the full shape seen within a region, the part's neighborhoods are
     taken to be complete; without, they count less near the cut.
     """
-    spectra = part_spectra(part, part.nodes, cut_aware=inside is None)
+    spectra = part_spectra(part, part.nodes)
+    trusted = (
+        trusted_by_cut(part, part.nodes, spectra) if inside is None else trusted_equally(spectra)
+    )
     similarity = pooled_similarity(
         template.spectra if inside is None else inside,
-        spectra,
+        trusted,
         template.cells,
         len(template.label_vertices),
     )

@@ -10,16 +10,20 @@ from numpy.typing import NDArray
 from sherd.correspondence.covered_vertices import covered_vertices
 from sherd.correspondence.dense import trilaterated
 from sherd.correspondence.labeling import Labeling
-from sherd.correspondence.part_data import PartData, part_spectra
+from sherd.correspondence.part_data import (
+    PartData,
+    part_spectra,
+    trusted_by_cut,
+    trusted_equally,
+)
 from sherd.correspondence.registration import (
-    Look,
     Placement,
     elastic_strain,
     laid_on,
     on_surface,
     pulled_together,
-    similar_places,
 )
+from sherd.correspondence.similar_places import Look, similar_places
 from sherd.descriptors.rotation_shot import mirrored_spectra
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.template import Template
@@ -88,9 +92,8 @@ def part_queries(part: PartData, rng: np.random.Generator) -> Queries:
     used = np.unique(part.mesh.faces)
     if len(used) > QUERY_COUNT:
         used = np.sort(rng.choice(used, QUERY_COUNT, replace=False))
-    return Queries(
-        used, part_spectra(part, used, cut_aware=True), part_spectra(part, used, cut_aware=False)
-    )
+    spectra = part_spectra(part, used)
+    return Queries(used, trusted_by_cut(part, used, spectra), trusted_equally(spectra))
 
 
 def mirrored_queries(queries: Queries) -> Queries:
@@ -139,12 +142,12 @@ def _looked_inside(
     """Compare neighborhoods inside the covered region only, and finish the placement."""
     finder = template.finder
     vertices = queries.vertices
-    seen = covered_vertices(finder, template.unit, placement.positions, part.mesh.faces)
+    seen = covered_vertices(finder, placement.positions, part.mesh.faces)
     inside = template.spectra_within(seen)
     look = Look(vertices, inside, queries.plain, np.ones(len(vertices)))
     if reaches:
         placement = laid_on(template, part, placement, look, finder=finder, reaches=reaches)
-    _, _, similarity = similar_places(template, placement, look, reach=ANSWER_REACH)
+    _, _, similarity = similar_places(template, placement.positions, look, reach=ANSWER_REACH)
     strain = elastic_strain(part, placement)
     areas = part.mesh.vertex_areas
     score = np.average(similarity, weights=areas[vertices]) - np.average(
@@ -160,9 +163,9 @@ def _covered(template: Template, placement: Placement, part: PartData) -> NDArra
     positions, faces = placement.positions, part.mesh.faces
     known = template.own_vertices
     if known is None or template.placed.vertex_count <= template.unit.vertex_count:
-        return covered_vertices(template.own_finder, template.placed, positions, faces)
+        return covered_vertices(template.own_finder, positions, faces)
     # sampling the part for a million vertices would cost more than all the rest
-    seen = covered_vertices(template.finder, template.unit, positions, faces)
+    seen = covered_vertices(template.finder, positions, faces)
     share = known.interpolate(template.unit, seen.astype(np.float64))
     inside: NDArray[np.bool_] = (share >= 0.5) & (template.placed.vertex_areas > 0)
     return inside

@@ -14,7 +14,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from sherd.correspondence.message_passing import labeling_costs, pass_messages
 from sherd.correspondence.part_data import PartData
@@ -134,7 +133,7 @@ def solve(problem: Problem, labels: Ints, rotations: Floats, *, step: float) -> 
     part, template, edges = problem.part, problem.template, problem.edges
     angles = part.directions
     pairs = np.stack([angles[edges[:, 0], edges[:, 1]], angles[edges[:, 1], edges[:, 0]]], axis=1)
-    shape = (template.label_to_label, template.label_directions)
+    shape = (template.label_to_label, template.label_headings)
     settings = (LENGTH_SIGMA, STRETCH_SIGMA, LIMIT, ANGLE_SIGMA)
     turns = rotations.astype(np.float32)
     costs = labeling_costs(edges, problem.measures, labels, turns, pairs, shape, settings)
@@ -201,7 +200,7 @@ def _contradicting(template: Template, part: PartData) -> NDArray[np.bool_]:
     forbidden = np.zeros((len(part.nodes), len(template.label_vertices)), dtype=bool)
     if len(part.pin_vertices) == 0:
         return forbidden
-    places = cKDTree(template.unit.vertices).query(part.pin_positions)[1]
+    places = template.vertex_tree.query(part.pin_positions)[1]
     reach = template.geodesics.distances_from(places)[:, template.label_vertices]
     for vertex, row in zip(part.pin_vertices, reach, strict=True):
         node = int(np.flatnonzero(part.nodes == vertex)[0])

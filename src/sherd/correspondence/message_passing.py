@@ -35,21 +35,25 @@ def labeling_costs(edges, measures, labels, rotations, directions, shape, settin
     directions
         (e, 2) angle on the part from first to second, and back.
     shape
-        (label distances (s, s), label directions (s, s)).
+        (label distances (s, s), cosine and sine of label directions (s, s, 2)).
     settings
         (sigma at 0, sigma per length, limit, sigma of angle).
     """
-    distances, full_directions = shape
+    distances, headings = shape
     sigma_zero, sigma_slope, limit, sigma_angle = settings
+    factor = 1.0 / (sigma_angle * sigma_angle)
     count = labels.shape[1]
     costs = np.empty((len(edges), count, count), np.float32)
     for edge in numba.prange(len(edges)):
         first, second = edges[edge]
         length, lower, equality, weight, turn = measures[edge]
         scale = 1.0 / (sigma_zero + sigma_slope * length)
+        back_x = np.cos(directions[edge, 1] - rotations[second])
+        back_y = np.sin(directions[edge, 1] - rotations[second])
         for a in range(count):
             at = labels[first, a]
             out = directions[edge, 0] - rotations[first, a]
+            out_x, out_y = math.cos(out), math.sin(out)
             for b in range(count):
                 to = labels[second, b]
                 distance = distances[at, to]
@@ -63,10 +67,9 @@ def labeling_costs(edges, measures, labels, rotations, directions, shape, settin
                     if at == to:
                         cost += turn * limit
                     else:
-                        back = directions[edge, 1] - rotations[second, b]
-                        u = 2.0 - 2.0 * math.cos(out - full_directions[at, to])
-                        v = 2.0 - 2.0 * math.cos(back - full_directions[to, at])
-                        factor = 1.0 / (sigma_angle * sigma_angle)
+                        u = out_x * headings[at, to, 0] + out_y * headings[at, to, 1]
+                        v = back_x[b] * headings[to, at, 0] + back_y[b] * headings[to, at, 1]
+                        u, v = 2.0 - 2.0 * u, 2.0 - 2.0 * v
                         cost += turn * (_robust(u * factor, limit) + _robust(v * factor, limit))
                 costs[edge, a, b] = weight * cost
     return costs
@@ -85,6 +88,7 @@ def pass_messages(edges, costs, unary, pointers, incident, rounds):  # type: ign
     figure 3 with monotonic chains.
     """
     nodes, count = unary.shape
+    turned = costs.transpose(0, 2, 1).copy()  # rows are then read in order in both directions
     forward = np.zeros((len(edges), count), np.float32)  # into the second node of an edge
     backward = np.zeros((len(edges), count), np.float32)  # into the first
     share = np.ones(nodes, np.float32)
@@ -105,7 +109,7 @@ def pass_messages(edges, costs, unary, pointers, incident, rounds):  # type: ign
                 if ahead and edges[edge, 0] == node:
                     _send(costs[edge], share[node] * total - backward[edge], forward[edge])
                 elif not ahead and edges[edge, 1] == node:
-                    _send(costs[edge].T, share[node] * total - forward[edge], backward[edge])
+                    _send(turned[edge], share[node] * total - forward[edge], backward[edge])
     return _decode(edges, costs, unary, pointers, incident, backward)
 
 

@@ -15,7 +15,16 @@ from sherd.spectral.geodesics import Geodesics
 from sherd.spectral.sampling import farthest_point_sample
 from sherd.template import AXIS_WIDTH, NEAR, RADII, canonical, working_mesh
 
-__all__ = ["NODE_COUNT", "PartData", "mirrored", "part_data", "part_spectra", "rescaled"]
+__all__ = [
+    "NODE_COUNT",
+    "PartData",
+    "mirrored",
+    "part_data",
+    "part_spectra",
+    "rescaled",
+    "trusted_by_cut",
+    "trusted_equally",
+]
 
 Floats = NDArray[np.float64]
 Singles = NDArray[np.float32]
@@ -171,15 +180,10 @@ def rescaled(data: PartData, factor: float) -> PartData:
     )
 
 
-def part_spectra(data: PartData, vertices: Ints, *, cut_aware: bool) -> Singles:
-    """Weighted spectra (5, q, 2 c) of the given vertices; frames as at nodes.
-
-    With `cut_aware`, a neighborhood that the cut makes incomplete counts less: in proportion to the
-    distance to the cut over its radius. Without it all radii count the same, as they should when
-    the full shape is described inside the same region.
-    """
+def part_spectra(data: PartData, vertices: Ints) -> Singles:
+    """Spectra (5, q, 2 c) of the given vertices; frames as at nodes."""
     x_axes = tangent_axes(data.normals[vertices], np.tile(data.reference, (len(vertices), 1)))
-    spectra = rotation_spectra(
+    return rotation_spectra(
         data.mesh.vertices,
         data.normals,
         data.mesh.vertex_areas,
@@ -188,7 +192,20 @@ def part_spectra(data: PartData, vertices: Ints, *, cut_aware: bool) -> Singles:
         z_axes=data.normals[vertices],
         radii=RADII,
     )
-    trust = np.ones((len(vertices), len(RADII)))
-    if cut_aware:
-        trust = np.clip(data.cut_distance[vertices, None] / np.array(RADII), LEAST_TRUST, 1.0)
+
+
+def trusted_by_cut(data: PartData, vertices: Ints, spectra: Singles) -> Singles:
+    """`spectra` of the vertices, a neighborhood that the cut makes incomplete counting less.
+
+    Its weight is the distance to the cut over its radius.
+    """
+    trust = np.clip(data.cut_distance[vertices, None] / np.array(RADII), LEAST_TRUST, 1.0)
     return weighted_spectra(spectra, trust)
+
+
+def trusted_equally(spectra: Singles) -> Singles:
+    """`spectra` whose radii all count the same.
+
+    So they should when the full shape is described inside the same region.
+    """
+    return weighted_spectra(spectra, np.ones((spectra.shape[1], len(RADII))))

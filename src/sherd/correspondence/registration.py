@@ -12,11 +12,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from sherd.correspondence.elastic import fit_rotations, relax_positions, softened, strains
 from sherd.correspondence.part_data import PartData
-from sherd.descriptors.rotation_shot import similarity_at
+from sherd.correspondence.similar_places import Look, similar_places
 from sherd.mesh.geometry import vertex_normals
 from sherd.mesh.surface_finder import SurfaceFinder
 from sherd.mesh.surface_points import SurfacePoints
@@ -29,11 +28,9 @@ __all__ = [
     "laid_on",
     "on_surface",
     "pulled_together",
-    "similar_places",
 ]
 
 Floats = NDArray[np.float64]
-Singles = NDArray[np.float32]
 Ints = NDArray[np.int64]
 
 # Data terms are areas over squared lengths: below such a length the elasticity decides, above
@@ -47,10 +44,6 @@ SIMILAR_LENGTH = 0.04
 SIMILAR_LIMIT = 0.02
 # The part lies on the full shape: hold it there below the size of a triangle.
 SURFACE_LENGTH = 0.006
-# Similarities within 0.02 of the best are equally good.
-SOFTNESS = 0.02
-# A target that is spread wider than a vertex spacing is a weak one.
-SPREAD = 0.012
 # A pin holds one vertex as firmly as the surface is held, against all its neighbors.
 PIN_LENGTH = 0.002
 # Skin stretches by some percent everywhere and by much more in the creases of joints.
@@ -72,26 +65,6 @@ class Placement:
 
     positions: Floats
     rotations: Floats
-
-
-@dataclass(frozen=True, eq=False)
-class Look:
-    """Which neighborhoods are compared.
-
-    Attributes
-    ----------
-    vertices
-        (q,) vertices of the part that look for similar places.
-    full_spectra, part_spectra
-        Spectra of all vertices of the full shape, and of these vertices.
-    trust
-        (q,) weight of each in [0, 1].
-    """
-
-    vertices: Ints
-    full_spectra: Singles
-    part_spectra: Singles
-    trust: Floats
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,46 +108,6 @@ def pulled_together(
     return placement
 
 
-def similar_places(
-    template: Template, placement: Placement, look: Look, *, reach: float
-) -> tuple[Floats, Floats, Floats]:
-    """Where near its place each query vertex looks most alike: soft maximum over a ball.
-
-    `reach` is the radius of the ball.
-
-    Returns
-    -------
-    targets, confidence, similarity
-        (q, 3) places, (q,) in [0, 1]: low where equally similar places are far apart, and (q,)
-        the best similarity.
-    """
-    queries = look.vertices
-    unit = template.unit
-    here = placement.positions[queries]
-    tree = cKDTree(unit.vertices)
-    found: list[list[int]] = list(tree.query_ball_point(here, reach, return_sorted=True))  # type: ignore[arg-type]
-    nearest: Ints = np.asarray(tree.query(here)[1])
-    pointers = np.concatenate([[0], np.cumsum([max(len(row), 1) for row in found])])
-    rows = np.repeat(np.arange(len(queries)), np.diff(pointers))
-    candidates = np.concatenate(
-        [np.asarray(row if row else [nearest[k]], dtype=np.int64) for k, row in enumerate(found)]
-    )
-    similarity = similarity_at(look.full_spectra, look.part_spectra, pointers, candidates).astype(
-        np.float64
-    )
-    other_sheet = (template.normals[candidates] * template.normals[nearest][rows]).sum(axis=1) < 0.2
-    offset = unit.vertices[candidates] - here[rows]
-    # of two equally similar places the nearer one
-    score = similarity - 0.5 * SOFTNESS * (offset**2).sum(axis=1) / (0.6 * reach) ** 2
-    score[other_sheet] -= 1.0
-    best = np.maximum.reduceat(score, pointers[:-1])
-    weight = np.exp((score - best[rows]) / SOFTNESS) * unit.vertex_areas[candidates]
-    weight /= np.bincount(rows, weight)[rows]
-    mean = np.stack([np.bincount(rows, weight * offset[:, k]) for k in range(3)], axis=1)
-    spread = np.bincount(rows, weight * ((offset - mean[rows]) ** 2).sum(axis=1))
-    return here + mean, 1 / (1 + spread / SPREAD**2), np.maximum.reduceat(similarity, pointers[:-1])
-
-
 def laid_on(
     template: Template,
     part: PartData,
@@ -197,7 +130,7 @@ def laid_on(
     areas = np.maximum(part.mesh.vertex_areas, 1e-9)
     density = count / len(queries)
     for reach in reaches:
-        targets, confidence, _ = similar_places(template, placement, look, reach=reach)
+        targets, confidence, _ = similar_places(template, placement.positions, look, reach=reach)
         confidence = confidence * look.trust
         for _ in range(slides):
             normals = vertex_normals(placement.positions, part.mesh.faces)

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from sherd.correspondence.anchors import find_anchors
 from sherd.correspondence.labeling import Labeling, Problem, make_problem
-from sherd.correspondence.part_data import PartData, part_spectra, rescaled
+from sherd.correspondence.part_data import PartData, part_spectra, rescaled, trusted_by_cut
 from sherd.descriptors.rotation_shot import pooled_similarity
 from sherd.template import Template
 
@@ -61,7 +61,7 @@ def _trial(
 ) -> tuple[float, float]:
     """Score of the labeling at one factor, and the ratio of lengths that it finds."""
     data = rescaled(part, factor)
-    spectra = part_spectra(data, data.nodes, cut_aware=True)
+    spectra = trusted_by_cut(data, data.nodes, part_spectra(data, data.nodes))
     similarity = pooled_similarity(
         template.spectra, spectra, template.cells, len(template.label_vertices)
     )

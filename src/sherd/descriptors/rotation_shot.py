@@ -19,6 +19,7 @@ votes weighted by vertex area (meshing cancels), several radii.
 from __future__ import annotations
 
 import math
+from concurrent.futures import ThreadPoolExecutor
 
 import numba
 import numpy as np
@@ -31,8 +32,9 @@ __all__ = [
     "mirrored_spectra",
     "pooled_similarity",
     "rotation_spectra",
+    "shift_table",
     "similarity",
-    "similarity_at",
+    "similarity_of_two",
     "weighted_spectra",
 ]
 
@@ -41,6 +43,8 @@ Singles = NDArray[np.float32]
 Ints = NDArray[np.int64]
 
 _FREQUENCIES = AZIMUTHS // 2 + 1
+# The first and last of the frequencies have no imaginary part.
+_REAL, _IMAGINARY = range(_FREQUENCIES), range(1, _FREQUENCIES - 1)
 
 
 def rotation_spectra(
@@ -83,7 +87,8 @@ def _wave_table() -> Floats:
     # Parseval over 8 bins: frequencies 1 to 3 stand for two waves each
     share = np.sqrt(np.array([1.0, 2.0, 2.0, 2.0, 1.0]) / AZIMUTHS)
     angles = 2.0 * np.pi * np.outer(np.arange(_FREQUENCIES), np.arange(AZIMUTHS)) / AZIMUTHS
-    return share[:, None, None] * np.stack([np.cos(angles), -np.sin(angles)], axis=1)
+    table: Floats = share[:, None, None] * np.stack([np.cos(angles), -np.sin(angles)], axis=1)
+    return table
 
 
 def weighted_spectra(spectra: Singles, weights: NDArray[np.floating]) -> Singles:
@@ -124,41 +129,32 @@ def pooled_similarity(
 
     Entry (i, l, s) compares at rotation `2 pi s / shifts`: the angle of a direction in the frame
     of part point i minus the angle of the same direction in the frame of the full vertex.
-    Blocks keep the memory near 100 MB; one BLAS thread keeps the bits independent of the machine's
-    load, the pooling runs on all cores.
+    Blocks keep the memory near 100 MB; one BLAS thread for each product keeps the bits independent
+    of the number of cores.
     """
     count = part_spectra.shape[1]
-    waves = _shift_table(shifts)
+    waves = shift_table(shifts)
     result = np.empty((count, cell_count, shifts), dtype=np.float32)
     block = max(1, int(3e6) // max(len(cells), 1))
     half = part_spectra.shape[2] // 2
     turned = np.concatenate([part_spectra[:, :, half:], -part_spectra[:, :, :half]], axis=2)
-    for start in range(0, count, block):
-        rows = slice(start, min(start + block, count))
-        parts = np.empty((AZIMUTHS, rows.stop - start, len(cells)), dtype=np.float32)
-        with threadpool_limits(limits=1):
-            for frequency in range(_FREQUENCIES):
-                features = full_spectra[frequency].T
-                np.matmul(part_spectra[frequency, rows], features, out=parts[frequency])
-                if 0 < frequency < _FREQUENCIES - 1:
-                    out = parts[_FREQUENCIES + frequency - 1]
-                    np.matmul(turned[frequency, rows], features, out=out)
-        _pool(parts, cells, waves, result[rows])
+    with threadpool_limits(limits=1), ThreadPoolExecutor(numba.get_num_threads()) as pool:
+        for start in range(0, count, block):
+            rows = slice(start, min(start + block, count))
+            parts = np.empty((AZIMUTHS, rows.stop - start, len(cells)), dtype=np.float32)
+            products: list[tuple[Singles, Singles, Singles]] = [
+                (part_spectra[k, rows], full_spectra[k].T, parts[k]) for k in _REAL
+            ]
+            products += [
+                (turned[k, rows], full_spectra[k].T, parts[_FREQUENCIES + k - 1])
+                for k in _IMAGINARY
+            ]
+            list(pool.map(lambda product: np.matmul(product[0], product[1], product[2]), products))
+            _pool(parts, cells, waves, result[rows])
     return result
 
 
-def similarity_at(
-    full_spectra: Singles, part_spectra: Singles, pointers: Ints, candidates: Ints
-) -> Singles:
-    """Similarity, best over rotation, of part point i with full vertices
-    `candidates[pointers[i]:pointers[i + 1]]`, as one flat array.
-    """  # noqa: D205
-    result = np.empty(len(candidates), dtype=np.float32)
-    _compare(full_spectra, part_spectra, pointers, candidates, _shift_table(16), result)
-    return result
-
-
-def _shift_table(shifts: int) -> Singles:
+def shift_table(shifts: int = 16) -> Singles:
     """Waves (8, shifts) that turn the 8 numbers of a comparison into similarity by rotation."""
     angles = 2.0 * np.pi * np.arange(shifts) / shifts
     table = np.empty((AZIMUTHS, shifts), dtype=np.float32)
@@ -209,28 +205,23 @@ def _pool(parts, cells, waves, result):  # type: ignore[no-untyped-def]
 
 
 # Sums may be regrouped into vector lanes: the same on every run, and four times faster.
-@numba.njit(cache=True, parallel=True, fastmath={"reassoc", "contract"})
-def _compare(full_spectra, part_spectra, pointers, candidates, waves, result):  # type: ignore[no-untyped-def]
-    """Similarity of each part point with each of its candidates, best over rotation."""
+@numba.njit(cache=True, fastmath={"reassoc", "contract"})
+def similarity_of_two(full_spectra, vertex, part_spectra, point, waves):  # type: ignore[no-untyped-def]
+    """Similarity, best over rotation, of one full vertex with one part point, for kernels.
+
+    `waves` come from :func:`shift_table`.
+    """
     half = full_spectra.shape[2] // 2
     last = _FREQUENCIES - 1
-    for point in numba.prange(len(pointers) - 1):
-        numbers = np.zeros(AZIMUTHS, np.float32)
-        for entry in range(pointers[point], pointers[point + 1]):
-            vertex = candidates[entry]
-            for frequency in range(_FREQUENCIES):
-                p, f = part_spectra[frequency, point], full_spectra[frequency, vertex]
-                real, imaginary = np.float32(0.0), np.float32(0.0)
-                for k in range(half):
-                    real += p[k] * f[k] + p[half + k] * f[half + k]
-                    imaginary += p[half + k] * f[k] - p[k] * f[half + k]
-                numbers[frequency] = real
-                if 0 < frequency < last:
-                    numbers[_FREQUENCIES + frequency - 1] = imaginary
-            best = np.float32(-1.0)
-            for shift in range(waves.shape[1]):
-                total = np.float32(0.0)
-                for wave in range(AZIMUTHS):
-                    total += numbers[wave] * waves[wave, shift]
-                best = max(best, total)
-            result[entry] = best
+    totals = np.zeros(waves.shape[1], np.float32)
+    for frequency in range(_FREQUENCIES):
+        p, f = part_spectra[frequency, point], full_spectra[frequency, vertex]
+        real, imaginary = np.float32(0.0), np.float32(0.0)
+        for k in range(half):
+            real += p[k] * f[k] + p[half + k] * f[half + k]
+            imaginary += p[half + k] * f[k] - p[k] * f[half + k]
+        for shift in range(len(totals)):
+            totals[shift] += real * waves[frequency, shift]
+            if 0 < frequency < last:
+                totals[shift] += imaginary * waves[_FREQUENCIES + frequency - 1, shift]
+    return totals.max()

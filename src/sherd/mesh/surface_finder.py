@@ -1,6 +1,8 @@
-"""Closest points of a surface on faces that look the same way."""
+"""Closest points and vertices of a surface where it looks the same way."""
 
 from __future__ import annotations
+
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,11 +14,15 @@ from sherd.mesh.triangle_mesh import TriangleMesh
 __all__ = ["SurfaceFinder"]
 
 Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
 
 # A normal that differs by a right angle counts like 0.04 of distance: other sheets stay away.
 NORMAL_SCALE = 0.03
 # Faces searched around each position; exact where triangles are not much longer than wide.
 NEAR_FACES = 12
+# Samples per vertex area: the covered share of a vertex is known to a tenth.
+SAMPLES = 12
+MOST_DIVISIONS = 16
 
 
 class SurfaceFinder:
@@ -32,20 +38,24 @@ class SurfaceFinder:
         self._mesh = mesh
         self._corners = np.ascontiguousarray(mesh.vertices[mesh.faces])
         self._normals = mesh.face_normals
-        places = np.concatenate([self._corners.mean(axis=1), NORMAL_SCALE * self._normals], axis=1)
-        self._tree = cKDTree(places, balanced_tree=False)
+        self._faces = _tree(self._corners.mean(axis=1), self._normals)
         self._count = min(NEAR_FACES, mesh.face_count)
+
+    @cached_property
+    def _vertices(self) -> cKDTree:
+        return _tree(self._mesh.vertices, self._mesh.vertex_normals)
 
     def closest(self, positions: Floats, normals: Floats) -> SurfacePoints:
         """The closest point to each position (p, 3) whose surface has normal (p, 3)."""
         from sherd.mesh.closest_kernel import closest_on_faces  # loads slowly  # noqa: PLC0415
 
-        query = np.concatenate([positions, NORMAL_SCALE * normals], axis=1)
+        query = _with_normals(positions, normals)
         faces = np.empty(len(positions), dtype=np.int64)
         weights = np.empty((len(positions), 3))
         for start in range(0, len(positions), BLOCK):
             block = slice(start, start + BLOCK)
-            near = self._tree.query(query[block], k=self._count)[1].reshape(-1, self._count)
+            near = self._faces.query(query[block], k=self._count, workers=-1)[1]
+            near = near.reshape(-1, self._count)
             # among the near faces only those that look the other way are put back
             agreement = np.einsum("pkc,pc->pk", self._normals[near], normals[block])
             penalty = 4.0 * NORMAL_SCALE**2 * (agreement < 0)
@@ -54,3 +64,52 @@ class SurfaceFinder:
                 faces[block], weights[block],
             )  # fmt: skip
         return SurfacePoints(faces, weights)
+
+    def nearest_vertices(self, positions: Floats, normals: Floats) -> Ints:
+        """The nearest vertex (p,) to each position whose normal is near the one given."""
+        nearest: Ints = self._vertices.query(_with_normals(positions, normals), workers=-1)[1]
+        return nearest
+
+    def covered_areas(self, positions: Floats, faces: Ints) -> Floats:
+        """How much of a surface (p, 3), (f, 3) lies nearest to each vertex, (n,) area."""
+        corners = positions[faces]
+        cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        areas = 0.5 * np.linalg.norm(cross, axis=1)
+        normals = cross / np.maximum(2 * areas, 1e-300)[:, None]
+        spacing = self._mesh.area / self._mesh.vertex_count
+        divisions = np.clip(np.ceil(np.sqrt(SAMPLES * areas / spacing)), 1, MOST_DIVISIONS)
+        covered = np.zeros(self._mesh.vertex_count)
+        for division in np.unique(divisions):
+            rows = np.flatnonzero(divisions == division)
+            grid = _subtriangle_centers(int(division))
+            samples = np.einsum("gk,fkc->fgc", grid, corners[rows]).reshape(-1, 3)
+            up = np.repeat(normals[rows], len(grid), axis=0)
+            nearest = self.nearest_vertices(samples, up)
+            share = np.repeat(areas[rows] / len(grid), len(grid))
+            covered += np.bincount(nearest, share, minlength=len(covered))
+        return covered
+
+    @cached_property
+    def own_areas(self) -> Floats:
+        """How much of the mesh itself lies nearest to each vertex, (n,) area."""
+        return self.covered_areas(self._mesh.vertices, self._mesh.faces)
+
+
+def _tree(places: Floats, normals: Floats) -> cKDTree:
+    return cKDTree(_with_normals(places, normals), balanced_tree=False)
+
+
+def _with_normals(places: Floats, normals: Floats) -> Floats:
+    return np.concatenate([places, NORMAL_SCALE * normals], axis=1)
+
+
+def _subtriangle_centers(division: int) -> Floats:
+    """Barycentric centers (division^2, 3) of the small triangles of a divided triangle."""
+    rows = []
+    for i in range(division):
+        for j in range(division - i):
+            rows.append((i + 1 / 3, j + 1 / 3))
+            if i + j < division - 1:
+                rows.append((i + 2 / 3, j + 2 / 3))
+    first = np.array(rows) / division
+    return np.concatenate([first, 1 - first.sum(axis=1, keepdims=True)], axis=1)

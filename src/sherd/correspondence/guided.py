@@ -1,0 +1,89 @@
+"""Compiled: where the labeled neighbors of a node, its guides, place it.
+
+Kernels on plain arrays; :mod:`sherd.correspondence.labeling` says what labels and rotations mean.
+Guides are an array (k, g), padded with -1. `part` is the pair (between, directions) of the nodes,
+`full` the pair (label_to_label, label_headings), `state` the pair (labels, rotations) of all
+nodes, `sigmas` are (of length at 0, of length per length, of angle, limit).
+"""
+
+from __future__ import annotations
+
+import math
+
+import numba
+import numpy as np
+
+__all__ = ["best_placed", "guided_turns"]
+
+# Geodesics longer than a limb's width say little about one point.
+GUIDE_LENGTH = 0.15
+
+
+@numba.njit(cache=True, parallel=True)
+def best_placed(nodes, guides, part, full, state, sigmas, count):  # type: ignore[no-untyped-def]
+    """Labels (k, count) that agree best with the guides of `nodes` (k,), and their costs.
+
+    Equal costs are in the order of the labels.
+    """
+    rows = len(nodes)
+    labels, costs = np.empty((rows, count), np.int64), np.empty((rows, count))
+    for row in numba.prange(rows):
+        misfit = np.empty(full[0].shape[0])
+        _misfits(nodes[row], guides[row], part, full, state, sigmas, misfit)
+        for rank in range(count):
+            best = np.argmin(misfit)
+            labels[row, rank], costs[row, rank] = best, misfit[best]
+            misfit[best] = np.inf
+    return labels, costs
+
+
+@numba.njit(cache=True)
+def _misfits(node, guides, part, full, state, sigmas, misfit):  # type: ignore[no-untyped-def]
+    """Write the cost (s,) of every label for one node: length and direction from each guide."""
+    between, directions = part
+    label_distances, headings = full
+    labels, rotations = state
+    sigma_zero, sigma_slope, sigma_angle, limit = sigmas
+    misfit[:] = 0.0
+    for guide in guides:
+        if guide < 0:
+            break
+        length = between[node, guide]
+        if length == np.inf:
+            continue
+        near = 1.0 / (1.0 + (length / GUIDE_LENGTH) ** 2)
+        scale = 1.0 / (sigma_zero + sigma_slope * length)
+        distances, there = label_distances[labels[guide]], headings[labels[guide]]
+        angle = directions[guide, node] - rotations[guide]
+        along, across = math.cos(angle), math.sin(angle)
+        for label in range(len(misfit)):
+            off = (distances[label] - length) * scale
+            square = min(off * off, 1e12)  # labels on other components are infinitely far
+            agreement = along * there[label, 0] + across * there[label, 1]
+            turn = 2.0 * (1.0 - agreement) / sigma_angle**2
+            cost = square / (1.0 + square / limit) + 0.5 * turn / (1.0 + turn / limit)
+            misfit[label] += near * cost
+
+
+@numba.njit(cache=True, parallel=True)
+def guided_turns(nodes, guides, at, part, full, state):  # type: ignore[no-untyped-def]
+    """Rotation (k, c) of each of `nodes` (k,) at labels `at` (k, c) that its guides agree on."""
+    between, directions = part
+    headings = full[1]
+    labels = state[0]
+    turns = np.empty(at.shape)
+    for row in numba.prange(len(nodes)):
+        node = nodes[row]
+        for rank in range(at.shape[1]):
+            here = at[row, rank]
+            along, across = 0.0, 0.0
+            for guide in guides[row]:
+                if guide < 0:
+                    break
+                near = 1.0 / (1.0 + (between[node, guide] / GUIDE_LENGTH) ** 2)
+                c, s = math.cos(directions[node, guide]), math.sin(directions[node, guide])
+                there = headings[here, labels[guide]]
+                along += near * (c * there[0] + s * there[1])
+                across += near * (s * there[0] - c * there[1])
+            turns[row, rank] = math.atan2(across, along)
+    return turns

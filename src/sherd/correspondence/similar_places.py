@@ -1,0 +1,121 @@
+"""Where near its present place each vertex of the part looks most alike."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numba
+import numpy as np
+from numpy.typing import NDArray
+
+from sherd.descriptors.rotation_shot import shift_table, similarity_of_two
+from sherd.template import Template
+
+__all__ = ["Look", "similar_places"]
+
+Floats = NDArray[np.float64]
+Singles = NDArray[np.float32]
+Ints = NDArray[np.int64]
+
+# Similarities within 0.02 of the best are equally good.
+SOFTNESS = 0.02
+# A target that is spread wider than a vertex spacing is a weak one.
+SPREAD = 0.012
+
+
+@dataclass(frozen=True, eq=False)
+class Look:
+    """Which neighborhoods are compared.
+
+    Attributes
+    ----------
+    vertices
+        (q,) vertices of the part that look for similar places.
+    full_spectra, part_spectra
+        Spectra of all vertices of the full shape, and of these vertices.
+    trust
+        (q,) weight of each in [0, 1].
+    """
+
+    vertices: Ints
+    full_spectra: Singles
+    part_spectra: Singles
+    trust: Floats
+
+
+def similar_places(
+    template: Template, positions: Floats, look: Look, *, reach: float
+) -> tuple[Floats, Floats, Floats]:
+    """Where near its place each query vertex looks most alike: soft maximum over a ball.
+
+    `positions` (n', 3) are the places of all vertices of the part, `reach` the radius of the ball.
+
+    Returns
+    -------
+    targets, confidence, similarity
+        (q, 3) places, (q,) in [0, 1]: low where equally similar places are far apart, and (q,)
+        the best similarity.
+    """
+    here = positions[look.vertices]
+    # the nearest vertex is always compared, and says which sheet of the surface is meant
+    nearest: Ints = np.asarray(template.vertex_tree.query(here, workers=-1)[1])
+    balls = template.vertex_tree.query_ball_point(here, reach, return_sorted=True, workers=-1)
+    found: list[list[int]] = list(balls)  # type: ignore[arg-type]
+    pointers = np.concatenate([[0], np.cumsum([len(row) for row in found])])
+    candidates = np.concatenate([*found, np.empty(0)]).astype(np.int64)
+    unit = template.unit
+    answers: tuple[Floats, Floats, Floats] = _most_alike(
+        here, (nearest, pointers, candidates),
+        (unit.vertices, template.normals, unit.vertex_areas),
+        (look.full_spectra, look.part_spectra, shift_table()), reach,
+    )  # fmt: skip
+    return answers
+
+
+@numba.njit(cache=True, parallel=True)
+def _most_alike(here, balls, surface, spectra, reach):  # type: ignore[no-untyped-def]
+    """Targets, confidence and similarity; see :func:`similar_places`."""
+    nearest, pointers, candidates = balls
+    vertices, normals, areas = surface
+    full_spectra, part_spectra, waves = spectra
+    targets = np.empty((len(here), 3))
+    confidence, similarity = np.empty(len(here)), np.empty(len(here))
+    for row in numba.prange(len(here)):
+        count = pointers[row + 1] - pointers[row]
+        near = np.empty(count + 1, np.int64)
+        near[:count] = candidates[pointers[row] : pointers[row + 1]]
+        if count == 0:
+            near[0] = nearest[row]
+            count = 1
+        score, offset = np.empty(count), np.empty((count, 3))
+        up = normals[nearest[row]]
+        best, alike = -np.inf, -np.inf
+        for k in range(count):
+            vertex = near[k]
+            value = similarity_of_two(full_spectra, vertex, part_spectra, row, waves)
+            alike = max(alike, value)
+            distance, agreement = 0.0, 0.0
+            for axis in range(3):
+                offset[k, axis] = vertices[vertex, axis] - here[row, axis]
+                distance += offset[k, axis] ** 2
+                agreement += normals[vertex, axis] * up[axis]
+            # of two equally similar places the nearer one
+            score[k] = value - 0.5 * SOFTNESS * distance / (0.6 * reach) ** 2
+            if agreement < 0.2:
+                score[k] -= 1.0  # another sheet
+            best = max(best, score[k])
+        total, spread = 0.0, 0.0
+        mean = np.zeros(3)
+        for k in range(count):
+            score[k] = math.exp((score[k] - best) / SOFTNESS) * areas[near[k]]
+            total += score[k]
+            mean += score[k] * offset[k]
+        mean /= max(total, 1e-300)
+        for k in range(count):
+            spread += score[k] * ((offset[k] - mean) ** 2).sum()
+        spread /= max(total, 1e-300)
+        targets[row] = here[row] + mean
+        confidence[row] = 1.0 / (1.0 + spread / SPREAD**2)
+        similarity[row] = alike
+    return targets, confidence, similarity
