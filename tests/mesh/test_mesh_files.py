@@ -318,6 +318,8 @@ BAD_FILES = {
     "axis.ply": (ply().replace("float z", "float w"), "no coordinate 'z'"),
     "twice.ply": (ply().replace("float y", "float x"), "declares the property 'x'"),
     "index.ply": (ply().replace("list uchar int", "int"), "no list 'vertex_indices'"),
+    "cloud2.ply": (ply(vertices=HUGE, faces=0), f"promises {HUGE} vertex"),
+    "cloud3.ply": (ply(vertices=HUGE, faces=0, form="binary_little_endian"), f"{HUGE} vertex"),
     "cloud.ply": (ply(faces=0, rows="0 0 0\n1 0 0\n0 1 0\n"), "holds 3 points and no faces"),
     "extra.ply": (
         ply(form="binary_little_endian", rows="\1" * 90),

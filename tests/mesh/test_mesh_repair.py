@@ -188,6 +188,16 @@ def test_a_bow_tie_is_doubled():
     assert report.new_vertices.tolist() == [0, 1, 2, 3, 4]
 
 
+def test_closed_pieces_far_from_each_other_are_seen_from_near():
+    corners, outward = cube()
+    vertices = np.vstack([corners, 0.7 * corners + 1e7])
+    mesh = TriangleMesh(vertices, np.vstack([outward, outward + 8]))
+    assert repair(mesh)[0] is mesh
+    inward = TriangleMesh(vertices, np.vstack([outward, outward[:, ::-1] + 8]))
+    turned = repair(inward)[0]
+    assert np.array_equal(turned.face_normals, mesh.face_normals)
+
+
 def test_orientation_follows_the_larger_area_of_a_sheet():
     vertices, faces = grid(10, 10)
     turned = faces.copy()

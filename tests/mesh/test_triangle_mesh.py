@@ -142,6 +142,13 @@ def test_the_largest_coordinates_still_have_an_area():
     assert np.isfinite(big.vertex_normals).all()
 
 
+def test_numbers_too_small_for_areas_are_refused_by_name():
+    small = TriangleMesh(SQUARE * 1e-60, HALVES)
+    assert small.area == pytest.approx(4e-120, rel=1e-12)
+    with pytest.raises(InvalidMeshError, match="all 4 vertices lie within 2e-61 of each other"):
+        TriangleMesh(SQUARE * 1e-61, HALVES)
+
+
 def test_surface_points_interpolate_linearly():
     points = SurfacePoints([0, 1], [[0.5, 0.5, 0], [0.25, 0.25, 0.5]])
     assert points.positions(square()).tolist() == [[1, 0, 0], [0.5, 1.5, 0]]

@@ -223,8 +223,11 @@ def _inward(
     closed = np.ones(count, dtype=bool)
     closed[sheets[np.flatnonzero(free) // 3]] = False
     closed[sheets[one_sided]] = False
-    corners = (vertices - vertices.mean(axis=0))[faces]
-    volumes = np.einsum("mc,mc->m", corners[:, 0], np.cross(corners[:, 1], corners[:, 2]))
+    corners = vertices[faces]
+    # seen from the sheet itself: from afar, large volumes cancel and leave rounding errors
+    _, first = np.unique(sheets, return_index=True)
+    spokes = corners - corners[first, 0][sheets][:, None, :]
+    volumes = np.einsum("mc,mc->m", spokes[:, 0], np.cross(spokes[:, 1], spokes[:, 2]))
     volume = np.bincount(sheets, np.where(flips, -volumes, volumes))
     inward = closed & (volume < 0)
     if inward.any() and count > 1:

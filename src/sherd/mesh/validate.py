@@ -15,6 +15,8 @@ __all__ = ["checked_faces", "checked_field", "checked_vertices", "frozen"]
 
 # Squared areas are fourth powers of lengths, and (1e70)^4 = 1e280 is still a float64.
 LARGEST_COORDINATE = 1e70
+# Below, squared areas of edges 1e-10 times as long as the mesh would lose digits.
+SMALLEST_EXTENT = 1e-60
 
 
 def frozen(array: NDArray[np.generic]) -> NDArray[np.generic]:
@@ -30,7 +32,8 @@ def checked_vertices(vertices: ArrayLike) -> NDArray[np.float64]:
     Raises
     ------
     InvalidMeshError
-        If the shape is not (n, 3) or a coordinate is NaN, infinite or beyond 1e70.
+        If the shape is not (n, 3), a coordinate is NaN, infinite or beyond 1e70, or all lie
+        within 1e-60 of each other without being equal.
     """
     array = _as_array(vertices, np.float64, "vertices")
     if array.ndim != 2 or array.shape[1] != 3:
@@ -42,6 +45,12 @@ def checked_vertices(vertices: ArrayLike) -> NDArray[np.float64]:
             f"vertices[{row}, {column}] = {array[row, column]}, but coordinates must be finite "
             f"({int(bad.any(axis=1).sum())} of {len(array)} vertices are not); "
             "export the mesh again or remove these vertices"
+        )
+    extent = float(np.ptp(array, axis=0).max()) if len(array) else 0.0
+    if 0 < extent < SMALLEST_EXTENT:
+        raise InvalidMeshError(
+            f"all {len(array)} vertices lie within {extent:.2g} of each other, and such numbers "
+            "lose their digits in areas; give the mesh a larger unit"
         )
     return _private(array, vertices)
 

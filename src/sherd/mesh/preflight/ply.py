@@ -82,11 +82,6 @@ def prepare(data: bytes) -> Prepared:
     vertex = _only(elements, "vertex")
     if vertex.count == 0:
         raise MeshFileError("holds no vertices; export the mesh again")
-    if not any(element.name == "face" and element.count for element in elements):
-        strips = any(element.name == "tristrips" for element in elements)
-        if strips:
-            raise MeshFileError("holds triangle strips; export it with single triangles")
-        return Prepared(b"", vertex.count, 0)
     missing = [axis for axis in "xyz" if axis not in [entry[0] for entry in vertex.properties]]
     if missing or vertex.lists:
         raise MeshFileError(
@@ -94,13 +89,19 @@ def prepare(data: bytes) -> Prepared:
             if missing
             else f"its vertices hold the list {vertex.lists[0]!r}; export the mesh without it"
         )
+    if not any(element.name == "face" and element.count for element in elements):
+        strips = any(element.name == "tristrips" for element in elements)
+        if strips:
+            raise MeshFileError("holds triangle strips; export it with single triangles")
+        _check_length(encoding, elements, body)
+        return Prepared(b"", vertex.count, 0)
     face = _only(elements, "face")
     names = [name for name in _INDEX_NAMES if name in face.lists] or face.lists[:1]
     if not names:
         raise MeshFileError("its faces hold no list 'vertex_indices'; export the mesh again")
     if encoding == "ascii":
         return _prepared_text(body, elements, names[0])
-    return _prepared_binary(body, elements, names[0], _FORMATS[encoding])
+    return _prepared_binary(body, elements, names[0], encoding)
 
 
 def _parsed_header(data: bytes) -> tuple[str, list[_Element], bytes]:
@@ -164,10 +165,23 @@ def _truncated(elements: list[_Element], held: str) -> MeshFileError:
     )
 
 
-def _prepared_text(body: bytes, elements: list[_Element], index_name: str) -> Prepared:
+def _text_lines(body: bytes, elements: list[_Element]) -> list[str]:
     lines = [line.strip() for line in decoded(body).splitlines() if line.strip()]
     if sum(element.count for element in elements) > len(lines):
         raise _truncated(elements, f"{len(lines)} lines")
+    return lines
+
+
+def _check_length(encoding: str, elements: list[_Element], body: bytes) -> None:
+    """Refuse a file without room for what its header promises, lists taken as empty."""
+    if encoding == "ascii":
+        _text_lines(body, elements)
+    elif sum(element.count * element.least_bytes for element in elements) > len(body):
+        raise _truncated(elements, f"{len(body)} bytes")
+
+
+def _prepared_text(body: bytes, elements: list[_Element], index_name: str) -> Prepared:
+    lines = _text_lines(body, elements)
     start = 0
     for element in elements:
         rows = lines[start : start + element.count]
@@ -231,10 +245,10 @@ def _indices(row: str, index: int, element: _Element, index_name: str) -> list[i
 
 
 def _prepared_binary(
-    body: bytes, elements: list[_Element], index_name: str, order: str
+    body: bytes, elements: list[_Element], index_name: str, encoding: str
 ) -> Prepared:
-    if sum(element.count * element.least_bytes for element in elements) > len(body):
-        raise _truncated(elements, f"{len(body)} bytes")
+    _check_length(encoding, elements, body)
+    order = _FORMATS[encoding]
     start = 0
     vertices = b""
     polygons = (np.empty(0, np.int64), np.empty(0, np.int64))
