@@ -2,6 +2,7 @@
 
 python docs/tables.py shrec16 stored=out/stored/bench.json remeshed=out/remeshed/bench.json
 python docs/tables.py region remeshed=out/region/bench.json
+python docs/tables.py individuals "other people=out/faust/bench.json"
 """
 
 from __future__ import annotations
@@ -15,16 +16,25 @@ from typing import Any
 
 TABLES = Path(__file__).parent / "tables"
 
-SHREC16 = "| Setting | Kind | Pairs | Error x100 | Flips | Coverage | IoU | Seconds a pair |"
+SHREC16 = (
+    "| Setting | Kind | Pairs | Error x100 | Median | Bad pairs | Flips | Coverage | IoU | "
+    "IoU (vertices hit) | Calibration error | Seconds a pair |"
+)
 REGION = "| Setting | Pairs | IoU | Mirror forgiven | Best of alternatives | Seconds (median) |"
+INDIVIDUALS = (
+    "| Setting | Kind | Pairs (refused) | Error x100 | Median | Up to 0.05 | Up to 0.1 | Flips | "
+    "Mirror forgiven | Coverage | IoU | With a place | Without: found | Without: ranked | "
+    "Seconds a pair |"
+)
 
 
 def shrec16_rows(setting: str, document: dict[str, Any]) -> list[str]:
     """A row for each kind of pair from the document of `sherd bench shrec16`."""
     return [
         f"| {setting} | {kind} | {total['pairs']} | {100 * total['mean']:.2f} | "
-        f"{total['flips']:.1%} | {total['coverage']:.1%} | {total['iou']:.3f} | "
-        f"{total['seconds']:.1f} |"
+        f"{100 * total['median']:.2f} | {total['bad_pairs']} | {total['flips']:.1%} | "
+        f"{total['coverage']:.1%} | {total['iou']:.3f} | {total['iou_vertices']:.3f} | "
+        f"{total['calibration_error']:.3f} | {total['seconds']:.1f} |"
         for kind, total in document["totals"].items()
     ]
 
@@ -41,9 +51,41 @@ def region_rows(setting: str, document: dict[str, Any]) -> list[str]:
     return [f"| {setting} | {len(rows)} | {cells} | {seconds:.1f} |"]
 
 
+def individuals_rows(setting: str, document: dict[str, Any]) -> list[str]:
+    """A row for each kind and for all from `sherd bench faust` or `sherd bench smal`."""
+    rows = []
+    for kind, total in [*document["totals"].items(), ("together", document["together"])]:
+        large = total["large"]
+        cells = [
+            setting,
+            kind,
+            f"{total['pairs']} ({total['refused']})",
+            shown(total["mean"], "{:.2f}", 100),
+            shown(total["median"], "{:.2f}", 100),
+            shown(total["near"], "{:.1%}"),
+            shown(None if large is None else 1 - large, "{:.1%}"),
+            shown(total["flips"], "{:.1%}"),
+            shown(total["mirror_forgiven"], "{:.2f}", 100),
+            shown(total["coverage"], "{:.1%}"),
+            shown(total["iou"], "{:.3f}"),
+            shown(total["present"], "{:.0%}"),
+            shown(total["recognized"], "{:.0%}"),
+            shown(total["ranking"], "{:.2f}"),
+            shown(total["seconds"], "{:.1f}"),
+        ]
+        rows.append(f"| {' | '.join(cells)} |")
+    return rows
+
+
+def shown(value: float | None, pattern: str, factor: int = 1) -> str:
+    """A number as text, or a dash where it is not known."""
+    return "-" if value is None else pattern.format(factor * value)
+
+
 KINDS: dict[str, tuple[str, Callable[[str, dict[str, Any]], list[str]]]] = {
     "shrec16": (SHREC16, shrec16_rows),
     "region": (REGION, region_rows),
+    "individuals": (INDIVIDUALS, individuals_rows),
 }
 
 

@@ -89,9 +89,21 @@ def test_pictures_are_small_and_used() -> None:
 
 def test_tables_are_made_from_what_benchmarks_write() -> None:
     program = runpy.run_path(str(ROOT / "docs" / "tables.py"))
-    total = dict.fromkeys(("mean", "flips", "coverage", "iou", "seconds"), 0.5) | {"pairs": 3}
+    names = (
+        "mean", "median", "flips", "coverage", "iou", "iou_vertices", "calibration_error",
+        "seconds", "near", "large", "present",
+    )  # fmt: skip
+    total = dict.fromkeys(names, 0.5) | {"pairs": 3, "bad_pairs": 1, "refused": 2}
     lines = program["table"]("shrec16", {"remeshed": {"totals": {"cuts": total}}}).splitlines()
-    assert lines[2].startswith("| remeshed | cuts | 3 | 50.00 | 50.0% |")
+    assert lines[2].startswith("| remeshed | cuts | 3 | 50.00 | 50.00 | 1 | 50.0% |")
+    assert len({line.count("|") for line in lines}) == 1
+    total |= dict.fromkeys(("mirror_forgiven", "recognized", "ranking"))  # not known
+    document = {"totals": {"balls": total}, "together": total}
+    lines = program["table"]("individuals", {"people": document}).splitlines()
+    assert lines[2].startswith(
+        "| people | balls | 3 (2) | 50.00 | 50.00 | 50.0% | 50.0% | 50.0% | -"
+    )
+    assert lines[3].startswith("| people | together |")
     assert len({line.count("|") for line in lines}) == 1
     row = dict.fromkeys(("iou", "iou_mirror_forgiven", "iou_with_alternatives", "seconds"), 0.25)
     lines = program["table"]("region", {"stored": {"rows": [row, row]}}).splitlines()
