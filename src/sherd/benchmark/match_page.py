@@ -26,7 +26,7 @@ MEASURES = (
     ("coverage", "coverage", "{:.1%}", 1),
     ("mean_matched", "mean x100 of the matched", "{:.2f}", 100),
     ("recognized", "vertices without a place, unmatched", "{:.1%}", 1),
-    ("ranking", "and told by confidence", "{:.2f}", 1),
+    ("ranking", "chance that confidence ranks them lower", "{:.2f}", 1),
     ("iou", "region IoU (dense)", "{:.3f}", 1),
     ("iou_vertices", "region IoU (vertices hit)", "{:.3f}", 1),
 )
@@ -43,7 +43,7 @@ table{border-collapse:collapse;width:100%;margin:1rem 0}
 td,th{padding:.2rem .5rem;border-bottom:1px solid #dde1e7;text-align:right}
 td:first-child,th:first-child{text-align:left}
 th{vertical-align:bottom;font-weight:600}section{overflow-x:auto}
-img{max-width:100%}
+img{width:49%;min-width:20rem}
 @media(prefers-color-scheme:dark){body{color:#e6e9ef;background:#14161a}
 td,th{border-color:#333944}img{background:#fff}}
 """
@@ -96,7 +96,7 @@ def _page(summary: Mapping[str, Any], folder: Path) -> str:
         f"{summary['data']}. Meshes {summary['meshes']}, {turned}, scale {scale}, seed "
         f"{settings['seed']}. The error of a vertex is the geodesic distance on the full shape "
         "between answer and truth over the square root of the full shape's area; every vertex "
-        "that has a true place is answered and counted. A bad pair has a mean error above 10."
+        "that has a true place is answered and counted. A bad pair has a mean error above 0.1, or 10 as shown here."
     )
     pictures = "".join(
         f'<img alt="{name}" src="data:image/png;base64,'
