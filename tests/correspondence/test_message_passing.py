@@ -54,13 +54,14 @@ def test_loops_are_solved_better_than_node_by_node() -> None:
 def test_pair_costs_follow_the_formula() -> None:
     distances = np.array([[0.0, 0.3], [0.3, 0.0]], dtype=np.float32)
     directions = np.array([[0.0, 0.5], [-1.0, 0.0]], dtype=np.float32)
+    headings = np.stack([np.cos(directions), np.sin(directions)], axis=2)
     edges = np.array([[0, 1]])
     labels = np.array([[0, 1], [1, 0]])
     rotations = np.array([[0.1, 0.0], [0.2, 0.0]], dtype=np.float32)
     pairs = np.array([[0.9, -0.4]], dtype=np.float32)
     measures = np.array([[0.2, 0.2, 1.0, 2.0, 0.5]])
     costs = labeling_costs(
-        edges, measures, labels, rotations, pairs, (distances, directions), (0.02, 0.1, 4.0, 0.5)
+        edges, measures, labels, rotations, pairs, (distances, headings), (0.02, 0.1, 4.0, 0.5)
     )
 
     def robust(x: float) -> float:
