@@ -14,28 +14,61 @@ import trimesh
 from sherd.errors import InputError
 from sherd.match import match
 from sherd.mesh.repair import repair
+from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.region.locate import locate
 from sherd.shapes.creature import creature
-from sherd.shapes.fragment import cut_by_ball, moved, remeshed, whole, with_clutter
+from sherd.shapes.fragment import (
+    Fragment,
+    cut_by_ball,
+    cut_by_plane,
+    cut_in_pieces,
+    largest_piece,
+    moved,
+    remeshed,
+    whole,
+    with_clutter,
+)
+from sherd.template import Template
 
 CASES = max(1, int(os.environ.get("SHERD_FUZZ_CASES", "60")) // 20)
 
 
-def test_clutter_is_unmatched_and_the_rest_is_not() -> None:
+@pytest.fixture(scope="module")
+def template() -> Template:
+    return Template(creature(5000))
+
+
+def errors(part: Fragment, answers: SurfacePoints) -> np.ndarray:
+    gap = answers.positions(part.full) - part.truth.positions(part.full)
+    return np.linalg.norm(gap, axis=1) / part.full.length
+
+
+def test_pieces_of_one_scan_find_their_own_limbs(template: Template) -> None:
+    """Three slices of the front half: two of the four pieces are legs, which look alike."""
+    posed = whole(creature(5000, pose="walk"), template.full)
+    front = cut_by_plane(posed, np.median(posed.mesh.vertices, axis=0), [1.0, 0.3, 0.1])
+    clean = remeshed(largest_piece(front), 1.1)
+    part = moved(cut_in_pieces(clean, 3, width=0.03), np.random.default_rng(0))
+    labels = part.mesh.component_labels
+    assert labels.max() == 3
+    error = errors(part, match(template, part.mesh).point_map.points)
+    assert (np.bincount(labels, error) / np.bincount(labels)).max() < 0.03
+    assert error.mean() < 0.01
+
+
+def test_clutter_is_unmatched_and_the_rest_is_not(template: Template) -> None:
     """A ball of 5 % of the area beside the part: it belongs nowhere."""
-    full = creature(5000)
+    full = template.full
     rng = np.random.default_rng(1)
     clean = remeshed(cut_by_ball(whole(creature(5000, pose="walk"), full), 100, 0.6), 1.1)
     part = moved(with_clutter(clean, 0.05, rng=rng), rng)
-    result = match(full, part.mesh)
+    result = match(template, part.mesh)
     matched = result.point_map.matched
     assert matched[part.present].mean() > 0.97
     assert matched[~part.present].mean() < 0.1
     assert result.point_map.confidence[~part.present].max() < 0.1
-    gap = result.point_map.points.positions(full) - part.truth.positions(full)
-    error = np.linalg.norm(gap, axis=1)[part.present] / full.length
-    assert error.mean() < 0.02
+    assert errors(part, result.point_map.points)[part.present].mean() < 0.02
 
 
 def damaged(rng: np.random.Generator) -> TriangleMesh:

@@ -6,6 +6,8 @@ cannot have met the cut, that is `d(i, j) <= b_i + b_j` with b the distance to t
 Dages, Kimmel, *Wormhole loss for partial shape matching*, 2024, use the same criterion);
 elsewhere the full shape may have a shorter path, not shorter than b_i + b_j and not longer
 than the part's. Directions are compared in the tangent frames, which rules mirrored answers out.
+Components of the part are tied by straight lines, taken as lower bounds of the lengths on the full
+shape, and as a hint of them.
 """
 
 from __future__ import annotations
@@ -35,6 +37,12 @@ LENGTH_SIGMA, STRETCH_SIGMA = 0.02, 0.1
 LIMIT = 4.0
 # Short lengths are more reliable and there are more far pairs than near ones.
 LENGTH_HALF = 0.3
+# Between components of the part no geodesic is known, but the straight line is not longer than the
+# one on the full shape, and on animals and people three geodesics in four are not longer than
+# 1.35 straight lines (limbs that touch make the others, so beyond one sigma a length says no more).
+# Neighbors across the gap say what continues where; nodes at all distances, which limb is which.
+BRIDGES_NEAR, BRIDGES_FAR = 4, 6
+DETOUR, DETOUR_LIMIT, BRIDGE_WEIGHT = 1.35, 1.0, 1.0
 # Directions: 16 rotations are 22 degrees apart, and geodesics bend; useless beyond a limb's length.
 ANGLE_SIGMA = float(np.radians(30.0))
 ANGLE_REACH = 0.3
@@ -64,7 +72,8 @@ class Problem:
     similarity
         (k, s, r) float32 similarity of node and label at each of r rotations.
     edges, measures
-        (e, 2) and (e, 5), see :func:`sherd.correspondence.message_passing.labeling_costs`.
+        (e, 2) and (e, 5), see :func:`sherd.correspondence.message_passing.labeling_costs`; the
+        length of an edge between components is infinite.
     forbidden
         (k, s) bool, labels that a hint rules out.
     """
@@ -104,7 +113,7 @@ def make_problem(
     rng: np.random.Generator,
 ) -> Problem:
     """Choose the edges and their weights; labels that contradict the pins are forbidden."""
-    edges = _edges(part.between, rng)
+    edges = _edges(part, rng)
     measures = _measures(edges, part)
     forbidden = _contradicting(template, part)
     return Problem(template, part, similarity, edges, measures, forbidden)
@@ -137,6 +146,8 @@ def solve(problem: Problem, labels: Ints, rotations: Floats, *, step: float) -> 
     settings = (LENGTH_SIGMA, STRETCH_SIGMA, LIMIT, ANGLE_SIGMA)
     turns = rotations.astype(np.float32)
     costs = labeling_costs(edges, problem.measures, labels, turns, pairs, shape, settings)
+    bridges = np.flatnonzero(~np.isfinite(problem.measures[:, 0]))
+    costs[bridges] = _bridge_costs(problem, bridges, labels)
     unary = unary_cost(problem, labels, rotations, step).astype(np.float32)
     count = len(part.nodes)
     ends = edges.T.ravel()
@@ -150,7 +161,8 @@ def solve(problem: Problem, labels: Ints, rotations: Floats, *, step: float) -> 
     return Labeling(labels[rows, chosen], rotations[rows, chosen], local, energy / count)
 
 
-def _edges(between: Floats, rng: np.random.Generator) -> Ints:
+def _edges(part: PartData, rng: np.random.Generator) -> Ints:
+    between = part.between
     count = len(between)
     tied = np.zeros((count, count), dtype=bool)
     for node in range(count):
@@ -162,8 +174,25 @@ def _edges(between: Floats, rng: np.random.Generator) -> Ints:
         for choice, limit in ((rest[close], MIDDLE_NEIGHBORS), (rest[~close], FAR_NEIGHBORS)):
             picked = rng.choice(choice, min(limit, len(choice)), replace=False)
             tied[node, picked.astype(np.int64)] = True
+    tied |= _bridges(part)
     first, second = np.nonzero(np.triu(tied | tied.T, 1))
     return np.stack([first, second], axis=1)
+
+
+def _bridges(part: PartData) -> NDArray[np.bool_]:
+    """Pairs (k, k) of nodes in different components: the nearest, and some of all distances."""
+    tied = ~np.isfinite(part.between)
+    places = part.mesh.vertices[part.nodes]
+    for node in np.flatnonzero(tied.any(axis=1)):
+        others = np.flatnonzero(tied[node])
+        straight = np.linalg.norm(places[others] - places[node], axis=1)
+        order = others[np.argsort(straight, kind="stable")]
+        rest = order[BRIDGES_NEAR:]
+        far = rest[np.linspace(0, len(rest) - 1, min(BRIDGES_FAR, len(rest))).astype(int)]
+        tied[node] = False
+        tied[node, order[:BRIDGES_NEAR]] = True
+        tied[node, far] = True
+    return tied
 
 
 def _measures(edges: Ints, part: PartData) -> Floats:
@@ -179,11 +208,29 @@ def _measures(edges: Ints, part: PartData) -> Floats:
     return np.stack([length, lower, equality, weight, turn], axis=1)
 
 
+def _bridge_costs(problem: Problem, bridges: Ints, labels: Ints) -> Singles:
+    """Cost (b, c, c) of each pair of candidates on edges between components."""
+    first, second = problem.edges[bridges].T
+    places = problem.part.mesh.vertices[problem.part.nodes]
+    straight = np.linalg.norm(places[second] - places[first], axis=1)[:, None, None]
+    table = problem.template.label_to_label
+    length = table[labels[first][:, :, None], labels[second][:, None, :]]
+    sigma = LENGTH_SIGMA + STRETCH_SIGMA * straight
+    short = (np.maximum(0.95 * straight - length, 0.0) / sigma) ** 2
+    # how far components of the full shape are from each other is not known either
+    beyond = np.where(np.isfinite(length), length - DETOUR * straight, 0.0)
+    long = (np.maximum(beyond, 0.0) / sigma) ** 2
+    cost = short / (1 + short / LIMIT) + long / (1 + long / DETOUR_LIMIT)
+    cost *= BRIDGE_WEIGHT / (1 + (straight / LENGTH_HALF) ** 2)
+    result: Singles = cost.astype(np.float32)
+    return result
+
+
 def _local_cost(problem: Problem, paid: Floats) -> Floats:
     """Mean unweighted cost of the edges shorter than 0.25 at each node."""
     count = len(problem.part.nodes)
     short = problem.measures[:, 0] < 0.25
-    cost = (paid / problem.measures[:, 3])[short]
+    cost = paid[short] / problem.measures[short, 3]
     ends = problem.edges[short].T
     total = sum(np.bincount(end, cost, minlength=count) for end in ends)
     number = sum(np.bincount(end, minlength=count) for end in ends)
