@@ -96,7 +96,7 @@ def _page(summary: Mapping[str, Any], folder: Path) -> str:
         f"{summary['data']}. Meshes {summary['meshes']}, {turned}, scale {scale}, seed "
         f"{settings['seed']}. The error of a vertex is the geodesic distance on the full shape "
         "between answer and truth over the square root of the full shape's area; every vertex "
-        "that has a true place is answered and counted. A bad pair has a mean error above 0.1, or 10 as shown here."
+        "that has a true place is answered and counted. A bad pair has a mean error x100 above 10."
     )
     pictures = "".join(
         f'<img alt="{name}" src="data:image/png;base64,'
