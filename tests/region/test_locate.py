@@ -58,6 +58,8 @@ def test_the_front_is_found(found, front) -> None:
     assert check.decided > 0.9
     assert found.status.succeeded
     assert 0.8 < found.score <= 1
+    assert set(found.working_vertices) == {"full", "part"}
+    assert min(found.working_vertices.values()) > 1000
 
 
 def test_a_leg_is_found_and_its_twin_is_reported(animal) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import MappingProxyType
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -105,6 +106,9 @@ def locate(
         ),
         timings=dict(stages.seconds),
         version=__version__,
+        working_vertices=MappingProxyType(
+            {"full": unit_full.vertex_count, "part": unit_part.vertex_count}
+        ),
     )
 
 

@@ -118,6 +118,9 @@ class Region:
         Seconds by stage.
     version
         Of sherd.
+    working_vertices
+        Number of vertices of the meshes that were searched, by "full" and "part". Large or uneven
+        shapes are searched on a mesh of moderate size; the answer is carried back.
     """
 
     full: TriangleMesh
@@ -132,6 +135,7 @@ class Region:
     options: LocateOptions
     timings: Mapping[str, float]
     version: str
+    working_vertices: Mapping[str, int]
 
     @property
     def area(self) -> float:

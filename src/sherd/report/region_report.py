@@ -117,6 +117,7 @@ def region_result(
         ],
         "energy": {**asdict(region.energy), "total": region.energy.total},
         "check": asdict(region.check()),
+        "working_vertices": dict(region.working_vertices),
         "options": asdict(region.options),
         "seed": region.options.seed,
         "timings": dict(region.timings),
