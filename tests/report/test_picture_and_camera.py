@@ -30,6 +30,25 @@ def test_rasterizer_covers_the_exact_area_and_keeps_the_nearest():
     assert (seen[:10] == -1).all()
 
 
+def test_faces_larger_than_a_tile_are_hidden_by_those_before_them_only():
+    rng = np.random.default_rng(0)
+    points = rng.uniform([-30, -30, 0], [150, 120, 9], size=(90, 3))
+    faces = rng.integers(90, size=(400, 3))
+    depth, expected = np.full((90, 120), np.inf), np.full((90, 120), -1)
+    y, x = np.mgrid[:90, :120] + 0.5
+    for index, (a, b, c) in enumerate(points[faces]):
+        area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+        if area == 0:
+            continue
+        u = ((b[0] - x) * (c[1] - y) - (b[1] - y) * (c[0] - x)) / area
+        v = ((c[0] - x) * (a[1] - y) - (c[1] - y) * (a[0] - x)) / area
+        z = u * a[2] + v * b[2] + (1 - u - v) * c[2]
+        seen = (u >= 0) & (v >= 0) & (u + v <= 1) & (z < depth)
+        depth[seen], expected[seen] = z[seen], index
+    found = covered_faces(points, faces, width=120, height=90)
+    assert (found != expected).sum() <= 2  # pixels on an edge, by rounding
+
+
 def test_orientation_decides_what_is_inside():
     points = np.array([[0, 0, 0], [0, 9, 0], [9, 0, 0]], dtype=float)  # counterclockwise on screen
     normals = np.tile([0.0, 0.0, 1.0], (3, 1))

@@ -11,6 +11,9 @@ __all__ = ["covered_faces", "shaded_image"]
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
+# Pixels across a tile: large enough that looking at a tile costs little beside drawing in it.
+TILE = 16
+
 
 def covered_faces(points: Floats, faces: Ints, *, width: int, height: int) -> NDArray[np.int32]:
     """Face seen at each pixel center, (height, width) int32, -1 where there is none.
@@ -70,6 +73,9 @@ def shaded_image(
 def _nearest_faces(points, faces, width, height):  # type: ignore[no-untyped-def]
     depth = np.full((height, width), np.inf)
     nearest = np.full((height, width), -1, dtype=np.int32)
+    # farthest depth in each tile: a face behind it cannot be seen there, so that thousands of
+    # faces as large as the picture are drawn about as fast as thousands of small ones
+    farthest = np.full((height // TILE + 1, width // TILE + 1), np.inf)
     for face in range(len(faces)):
         a, b, c = points[faces[face, 0]], points[faces[face, 1]], points[faces[face, 2]]
         area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
@@ -79,20 +85,54 @@ def _nearest_faces(points, faces, width, height):  # type: ignore[no-untyped-def
         right = min(width - 1, int(np.floor(max(a[0], b[0], c[0]) - 0.5)))
         top = max(0, int(np.ceil(min(a[1], b[1], c[1]) - 0.5)))
         bottom = min(height - 1, int(np.floor(max(a[1], b[1], c[1]) - 0.5)))
-        for row in range(top, bottom + 1):
-            y = row + 0.5
-            for column in range(left, right + 1):
-                x = column + 0.5
-                u = ((b[0] - x) * (c[1] - y) - (b[1] - y) * (c[0] - x)) / area
-                v = ((c[0] - x) * (a[1] - y) - (c[1] - y) * (a[0] - x)) / area
-                w = 1.0 - u - v
-                if u < 0.0 or v < 0.0 or w < 0.0:
+        if right < left or bottom < top:
+            continue
+        if (right - left + 1) * (bottom - top + 1) <= TILE * TILE:
+            box = (left, right, top, bottom)
+            _draw(depth, nearest, face, (a, b, c), area, box)
+            continue
+        front = min(a[2], b[2], c[2])
+        across = ((b[2] - a[2]) * (c[1] - a[1]) - (c[2] - a[2]) * (b[1] - a[1])) / area
+        down = ((c[2] - a[2]) * (b[0] - a[0]) - (b[2] - a[2]) * (c[0] - a[0])) / area
+        reach = 0.5 * TILE * (abs(across) + abs(down))
+        for i in range(top // TILE, bottom // TILE + 1):
+            for j in range(left // TILE, right // TILE + 1):
+                x, y = (j + 0.5) * TILE - a[0], (i + 0.5) * TILE - a[1]
+                if max(front, a[2] + across * x + down * y - reach) >= farthest[i, j]:
                     continue
-                z = u * a[2] + v * b[2] + w * c[2]
-                if z < depth[row, column]:
-                    depth[row, column] = z
-                    nearest[row, column] = face
+                box = (
+                    max(left, j * TILE),
+                    min(right, j * TILE + TILE - 1),
+                    max(top, i * TILE),
+                    min(bottom, i * TILE + TILE - 1),
+                )
+                if _draw(depth, nearest, face, (a, b, c), area, box):
+                    rows, columns = slice(i * TILE, (i + 1) * TILE), slice(j * TILE, (j + 1) * TILE)
+                    farthest[i, j] = depth[rows, columns].max()
     return nearest
+
+
+@numba.njit(cache=True)
+def _draw(depth, nearest, face, corners, area, box):  # type: ignore[no-untyped-def]
+    """Draw one face within the pixels (left, right, top, bottom); whether any is new."""
+    a, b, c = corners
+    left, right, top, bottom = box
+    drawn = False
+    for row in range(top, bottom + 1):
+        y = row + 0.5
+        for column in range(left, right + 1):
+            x = column + 0.5
+            u = ((b[0] - x) * (c[1] - y) - (b[1] - y) * (c[0] - x)) / area
+            v = ((c[0] - x) * (a[1] - y) - (c[1] - y) * (a[0] - x)) / area
+            w = 1.0 - u - v
+            if u < 0.0 or v < 0.0 or w < 0.0:
+                continue
+            z = u * a[2] + v * b[2] + w * c[2]
+            if z < depth[row, column]:
+                depth[row, column] = z
+                nearest[row, column] = face
+                drawn = True
+    return drawn
 
 
 @numba.njit(cache=True)
