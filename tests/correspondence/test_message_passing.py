@@ -88,7 +88,7 @@ def test_paths_along_the_cut_may_shrink_on_the_full_shape_but_not_grow() -> None
         labels,
         none,
         none[:1],
-        (distances, distances),
+        (distances, np.zeros((3, 3, 2), dtype=np.float32)),
         (0.02, 0.1, 4.0, 0.5),
     )
     assert costs[0, 0, 0] == 0.0
