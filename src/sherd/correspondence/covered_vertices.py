@@ -18,8 +18,7 @@ def covered_vertices(
     The part, vertices `positions` (n', 3) and `faces`, is sampled densely, so the region has no
     holes between its vertices, however coarse the part is.
     """
-    whole = finder.own_areas
-    covered: NDArray[np.bool_] = (finder.covered_areas(positions, faces) >= 0.5 * whole) & (
-        whole > 0
-    )
+    whole = finder.mesh.vertex_areas
+    covered: NDArray[np.bool_] = finder.covered_areas(positions, faces) >= 0.5 * whole
+    covered &= whole > 0
     return covered
