@@ -47,6 +47,9 @@ LABEL_COUNT = 1200
 # are more than answers between vertices need.
 LONGEST_EDGE = 0.02
 MOST_VERTICES = 20_000
+# Right triangles with edges of at least half the longest length have at most 20,000 vertices
+# on area 1; a quarter more is for those that are not even.
+ROOM = 1.25
 # A disk that needs n vertices has 3.5 sqrt(n) at its border, a tenth of a thousand. A denser
 # border, as large scans have, would leave the inside without vertices, so it is thinned as well.
 LARGEST_BORDER = 0.2
@@ -302,14 +305,16 @@ def working_mesh(mesh: TriangleMesh) -> TriangleMesh:
     """`mesh` (in the template's unit) with a vertex wherever one is needed, and not many more.
 
     Neighborhoods are compared by their vertices, so both shapes need some in every ball: long
-    edges are split, which leaves the surface and the given vertices as they are. A mesh with many
-    more vertices than answers need is decimated before.
+    edges are split, which leaves the surface and the given vertices as they are; only hair-thin
+    faces, which would take vertices without end, keep longer edges. A mesh with many more vertices
+    than answers need is decimated before.
     """
     most = int(MOST_VERTICES * max(mesh.area, 0.1))
     if mesh.vertex_count > most:
         keep = len(mesh.boundary_vertices) <= LARGEST_BORDER * most
         mesh = decimate(mesh, most, keep_border=keep)[0]
-    vertices, faces = split_long_edges(mesh.vertices, mesh.faces, LONGEST_EDGE)
+    room = int(ROOM * most)
+    vertices, faces = split_long_edges(mesh.vertices, mesh.faces, LONGEST_EDGE, most=room)
     if len(vertices) == mesh.vertex_count:
         return mesh
     return TriangleMesh(vertices, faces, name=mesh.name)

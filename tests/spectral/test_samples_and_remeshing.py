@@ -125,6 +125,16 @@ def test_splitting_keeps_the_surface_and_leaves_no_crack(sphere):
     assert (topology.unique_edges(faces)[1] == 2).all()
 
 
+def test_splitting_a_hair_ends_at_the_most_vertices_with_the_longest_edges_halved():
+    hair = np.array([[0.0, 0, 0], [1e6, 0, 0], [0, 1e-6, 0], [0, 1e-6, 40]])
+    vertices, faces = split_long_edges(hair, np.array([[0, 1, 2], [1, 3, 2]]), 0.01, most=1000)
+    assert len(vertices) == 1000
+    assert edge_lengths(vertices, faces).max() < 1e6 / 30
+    assert (topology.unique_edges(faces)[1] <= 2).all()
+    area = TriangleMesh(hair, [[0, 1, 2], [1, 3, 2]]).area
+    assert TriangleMesh(vertices, faces).area == pytest.approx(area)
+
+
 def test_flipping_makes_a_plane_mesh_delaunay():
     rng = np.random.default_rng(2)
     ticks = np.arange(8.0)

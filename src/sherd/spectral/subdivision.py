@@ -20,6 +20,8 @@ _CHILDREN = {
 }
 # Each pass halves every long edge, so this allows a shortening by 2^40.
 MAX_PASSES = 40
+# More vertices than fit beside what is computed from them.
+MOST_VERTICES = 20_000_000
 
 
 def split_edges(
@@ -63,8 +65,14 @@ def split_edges(
     return np.concatenate(children), parents
 
 
-def split_long_edges(vertices: Floats, faces: Ints, limit: float) -> tuple[Floats, Ints]:
-    """Halve edges longer than `limit` (l) until none is left; the surface stays the same set."""
+def split_long_edges(
+    vertices: Floats, faces: Ints, limit: float, *, most: int = MOST_VERTICES
+) -> tuple[Floats, Ints]:
+    """Halve edges longer than `limit` (l) until none is left; the surface stays the same set.
+
+    Where that would take more than `most` vertices, as along a hair-thin face many times as long
+    as its area suggests, the longest edges are halved until there are as many.
+    """
     for _ in range(MAX_PASSES):
         ends = vertices[faces]
         lengths = np.linalg.norm(np.roll(ends, -1, axis=1) - ends, axis=2).ravel()
@@ -74,7 +82,12 @@ def split_long_edges(vertices: Floats, faces: Ints, limit: float) -> tuple[Float
         # both sides of an edge see the same two points, but not always the same last bit
         sides = np.sort(faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
         keys = sides[:, 0] * len(vertices) + sides[:, 1]
-        long = np.isin(keys, keys[long])
-        faces, parents = split_edges(faces, len(vertices), long)
+        cut, first = np.unique(keys[long], return_index=True)
+        room = most - len(vertices)
+        if room <= 0:
+            break
+        if len(cut) > room:
+            cut = cut[np.argsort(-lengths[long][first], kind="stable")[:room]]
+        faces, parents = split_edges(faces, len(vertices), np.isin(keys, cut))
         vertices = np.concatenate([vertices, vertices[parents].mean(axis=1)])
     return vertices, faces
