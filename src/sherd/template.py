@@ -43,9 +43,9 @@ AXIS_WIDTH = 0.012
 NEAR = 0.07
 # 1,200 labels lie 0.03 apart, below the smallest radius; 700 were too few to pin directions.
 LABEL_COUNT = 1200
-# Half the smallest radius: every ball then holds a dozen vertices. Twice the usual 10,000 vertices
-# are more than answers between vertices need.
-LONGEST_EDGE = 0.02
+# The smallest ball then holds ten vertices and more. Twice the usual 10,000 vertices are more than
+# answers between vertices need.
+LONGEST_EDGE = 0.025
 MOST_VERTICES = 20_000
 # Right triangles with edges of at least half the longest length have at most 20,000 vertices
 # on area 1; a quarter more is for those that are not even.

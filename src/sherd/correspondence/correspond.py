@@ -11,7 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sherd.correspondence.anchors import find_anchors
-from sherd.correspondence.hypothesis import Hypothesis, Queries, mirrored_queries, settled
+from sherd.correspondence.hypothesis import (
+    Hypothesis,
+    Queries,
+    mirrored_queries,
+    roughly_settled,
+    settled,
+)
 from sherd.correspondence.labeling import SIMILARITY_STEP, Labeling, make_problem
 from sherd.correspondence.part_data import (
     PartData,
@@ -85,5 +91,5 @@ def mirrored_twin(
     """The best placement of the part's mirror image, as the left leg for the right."""
     image = mirrored(part)
     labeling = anchored(template, image, rng)
-    found = settled(template, image, labeling, mirrored_queries(queries), thorough=False)
+    found = roughly_settled(template, image, labeling, mirrored_queries(queries))
     return Twin(image, found)

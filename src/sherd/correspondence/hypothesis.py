@@ -28,7 +28,14 @@ from sherd.descriptors.rotation_shot import mirrored_spectra
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.template import Template
 
-__all__ = ["Hypothesis", "Queries", "mirrored_queries", "part_queries", "settled"]
+__all__ = [
+    "Hypothesis",
+    "Queries",
+    "mirrored_queries",
+    "part_queries",
+    "roughly_settled",
+    "settled",
+]
 
 Floats = NDArray[np.float64]
 Singles = NDArray[np.float32]
@@ -103,58 +110,60 @@ def mirrored_queries(queries: Queries) -> Queries:
     )
 
 
-def settled(
-    template: Template,
-    part: PartData,
-    labeling: Labeling,
-    queries: Queries,
-    *,
-    thorough: bool = True,
-) -> Hypothesis:
-    """Carry a labeling through to points: trilaterate, lay on, find the region, look again.
-
-    Not `thorough`, the second look inside the region is left out.
-    """
-    vertices = queries.vertices
-    placement = pulled_together(template, part, trilaterated(template, part, labeling))
-    trust = np.clip(part.cut_distance[vertices] / CUT_LENGTH, CUT_LEAST, 1.0)
+def settled(template: Template, part: PartData, labeling: Labeling, queries: Queries) -> Hypothesis:
+    """Carry a labeling through to points: trilaterate, lay on, find the region, look again."""
+    placement = _laid_by_neighborhoods(template, part, labeling, queries, FIRST_REACHES)
+    inside = _spectra_inside(template, part, placement)
+    look = Look(queries.vertices, inside, queries.plain, np.ones(len(queries.vertices)))
     placement = laid_on(
-        template,
-        part,
-        placement,
-        Look(vertices, template.spectra, queries.cut_aware, trust),
-        finder=template.finder,
-        reaches=FIRST_REACHES,
+        template, part, placement, look, finder=template.finder, reaches=SECOND_REACHES
     )
-    reaches = SECOND_REACHES if thorough else ()
-    return _looked_inside(template, part, labeling, placement, queries, reaches=reaches)
+    return _judged(template, part, labeling, placement, look)
 
 
-def _looked_inside(
+def roughly_settled(
+    template: Template, part: PartData, labeling: Labeling, queries: Queries
+) -> Hypothesis:
+    """As :func:`settled`, with one look only: enough to see and to judge a placement."""
+    placement = _laid_by_neighborhoods(template, part, labeling, queries, FIRST_REACHES[:1])
+    inside = _spectra_inside(template, part, placement)
+    look = Look(queries.vertices, inside, queries.plain, np.ones(len(queries.vertices)))
+    return _judged(template, part, labeling, placement, look)
+
+
+def _laid_by_neighborhoods(
     template: Template,
     part: PartData,
     labeling: Labeling,
-    placement: Placement,
     queries: Queries,
-    *,
     reaches: tuple[float, ...],
+) -> Placement:
+    """Before the region is known: neighborhoods count less where they reach over the cut."""
+    placement = pulled_together(template, part, trilaterated(template, part, labeling))
+    trust = np.clip(part.cut_distance[queries.vertices] / CUT_LENGTH, CUT_LEAST, 1.0)
+    look = Look(queries.vertices, template.spectra, queries.cut_aware, trust)
+    return laid_on(template, part, placement, look, finder=template.finder, reaches=reaches)
+
+
+def _spectra_inside(template: Template, part: PartData, placement: Placement) -> Singles:
+    """Spectra of the full shape when only what the part covers is seen."""
+    seen = covered_vertices(template.finder, placement.positions, part.mesh.faces)
+    return template.spectra_within(seen)
+
+
+def _judged(
+    template: Template, part: PartData, labeling: Labeling, placement: Placement, look: Look
 ) -> Hypothesis:
-    """Compare neighborhoods inside the covered region only, and finish the placement."""
-    finder = template.finder
-    vertices = queries.vertices
-    seen = covered_vertices(finder, placement.positions, part.mesh.faces)
-    inside = template.spectra_within(seen)
-    look = Look(vertices, inside, queries.plain, np.ones(len(vertices)))
-    if reaches:
-        placement = laid_on(template, part, placement, look, finder=finder, reaches=reaches)
+    """The finished placement with its points, its region and its score."""
     _, _, similarity = similar_places(template, placement.positions, look, reach=ANSWER_REACH)
     strain = elastic_strain(part, placement)
     areas = part.mesh.vertex_areas
-    score = np.average(similarity, weights=areas[vertices]) - np.average(
+    score = np.average(similarity, weights=areas[look.vertices]) - np.average(
         np.minimum(strain, 1.0), weights=areas
     )
     mask = _covered(template, placement, part)
     points = on_surface(template.own_finder, part, placement)
+    inside = look.full_spectra
     return Hypothesis(labeling, placement, points, mask, inside, similarity, strain, float(score))
 
 
