@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from sherd.errors import InvalidMeshError, MeshFileError
+from sherd.errors import InputError, InvalidMeshError, MeshFileError
 from sherd.mesh.cloud_files import read_part
 from sherd.mesh.encode import encoded
 from sherd.mesh.files import read_mesh
@@ -26,6 +26,7 @@ FILES = {
     "a.ply": ply(POINTS),
     "a.obj": "".join(f"v {x} {y} {z}\n" for x, y, z in POINTS),
     "a.off": "OFF\n7 0 0\n" + "".join(f"{x} {y} {z}\n" for x, y, z in POINTS),
+    "a.xyz": "# a scan\n" + "".join(f"{x} {y} {z} 255 0 7\n" for x, y, z in POINTS),
 }
 
 
@@ -38,8 +39,31 @@ def test_points_are_read_in_order_and_read_mesh_refuses_them(tmp_path, name):
     assert cloud.name == name
     assert cloud.normals is None
     np.testing.assert_allclose(cloud.points, POINTS)
-    with pytest.raises(InvalidMeshError, match="7 points and no faces"):
+    with pytest.raises(InputError, match=r"7 points and no faces|unknown suffix '\.xyz'"):
         read_mesh(path)
+
+
+def test_normals_of_length_one_in_a_table_are_normals(tmp_path):
+    path = tmp_path / "n.xyz"
+    normals = POINTS / np.linalg.norm(POINTS, axis=1, keepdims=True)
+    np.savetxt(path, np.hstack([POINTS, normals]))
+    np.testing.assert_allclose(read_part(path).normals, normals)
+    for content in ("1 2 3\n4 5\n", "x y z\n", "1 2\n3 4\n5 6\n7 8\n"):
+        path.write_text(content)
+        with pytest.raises(InputError, match=r"n\.xyz: "):
+            read_part(path)
+
+
+def test_noise_makes_no_holes_and_crumbs_stay_without_faces():
+    """Noise of a seventh of the spacing: neighbors see different diagonals."""
+    ball = trimesh.creation.icosphere(4).vertices
+    rng = np.random.default_rng(0)
+    crumb = [3.0, 0.0, 0.0] + 0.05 * rng.random((6, 3)) * [1.0, 1.0, 0.0]
+    points = np.concatenate([ball + rng.normal(size=ball.shape) * 0.01, crumb])
+    normals = np.concatenate([ball, np.tile([0.0, 0.0, 1.0], (6, 1))])
+    mesh = surface_of(PointCloud(points, normals))
+    assert len(mesh.boundary_vertices) < 10
+    assert mesh.faces.max() < len(ball)
 
 
 def test_normals_of_a_ply_file_are_kept_unless_they_are_zeros(tmp_path):

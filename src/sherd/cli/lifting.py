@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
 from sherd.cli.inputs import PreparedMesh
 from sherd.correspondence.point_map import PointMap
@@ -63,6 +64,16 @@ def original_points(prepared: PreparedMesh, points: SurfacePoints) -> SurfacePoi
     return SurfacePoints(faces, np.einsum("pij,pj->pi", same, points.barycentric))
 
 
+def _nearest_kept(prepared: PreparedMesh) -> Ints:
+    """For each vertex of the file itself on the repaired mesh, or the nearest one there."""
+    source = prepared.report.new_vertices.copy()
+    gone = np.flatnonzero(source < 0)
+    if len(gone):
+        tree = cKDTree(prepared.repaired.vertices)
+        source[gone] = tree.query(prepared.original.vertices[gone])[1]
+    return source
+
+
 def _rows_found(wanted: Ints, rows: Ints) -> Ints:
     """For each row (m, 3) of `wanted` the first equal row of `rows` (k, 3); each has one."""
     both = np.concatenate([rows, wanted])
@@ -77,12 +88,14 @@ def _rows_found(wanted: Ints, rows: Ints) -> Ints:
 
 
 def as_read(result: MatchResult, full: PreparedMesh, part: PreparedMesh) -> MatchResult:
-    """The result on the user's meshes; vertices of the part without a face are unmatched."""
+    """The result on the user's meshes.
+
+    Vertices of the part without a face are unmatched; their best guess is the nearest one's answer.
+    """
     if not (full.report.changed or part.report.changed):
         return replace(result, full=full.original, part=part.original)
     to_part, to_full = part.report.to_original, full.report.to_original
-    new = part.report.new_vertices
-    source = np.maximum(new, 0)
+    source = _nearest_kept(part)
     points = original_points(full, result.point_map.points)[source]
     point_map = PointMap(
         points.faces,

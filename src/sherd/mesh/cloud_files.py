@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sherd.errors import InputError, MeshFileError
-from sherd.mesh.files import read_content, read_mesh
+from sherd.mesh.files import file_content, read_content, read_mesh
 from sherd.mesh.point_cloud import PointCloud
 from sherd.mesh.preflight.prepared import decoded
 from sherd.mesh.triangle_mesh import TriangleMesh
@@ -23,7 +23,7 @@ Floats = NDArray[np.float64]
 
 
 def read_part(path: str | os.PathLike[str]) -> TriangleMesh | PointCloud:
-    """Read a triangle mesh, or the points of a PLY, OBJ or OFF file that has no faces.
+    """Read a triangle mesh, or the points of an XYZ file or of PLY, OBJ or OFF without faces.
 
     Raises
     ------
@@ -37,7 +37,10 @@ def read_part(path: str | os.PathLike[str]) -> TriangleMesh | PointCloud:
 
 
 def read_points(path: str | os.PathLike[str]) -> PointCloud | None:
-    """Read the points of a PLY, OBJ or OFF file without faces; None if it is no such file.
+    """Read the points of an XYZ file, or of PLY, OBJ or OFF without faces; None for a mesh.
+
+    XYZ is a line of three coordinates for each point; three more numbers are its normal if all
+    normals have length 1, and are passed over otherwise, as further ones are.
 
     Raises
     ------
@@ -48,6 +51,8 @@ def read_points(path: str | os.PathLike[str]) -> PointCloud | None:
     """
     source = Path(path)
     suffix = source.suffix.lower()
+    if suffix == ".xyz":
+        return _read_xyz(source)
     try:
         data, prepared = read_content(source)
     except InputError as error:
@@ -71,6 +76,26 @@ def _check_count(count: int, promised: int) -> None:
             f"{promised} points are promised, but {count} could be read; the file is damaged: "
             "export it again"
         )
+
+
+def _read_xyz(source: Path) -> PointCloud:
+    try:
+        lines = decoded(file_content(source)).splitlines()
+        rows = [line.split("#")[0].replace(",", " ").split() for line in lines]
+        rows = [row for row in rows if row]
+        try:
+            if rows and len(rows[0]) == 1:  # some programs write the number of points first
+                rows = rows[1:]
+            table = np.array([row[:6] for row in rows], dtype=np.float64)
+            points, others = table[:, :3], table[:, 3:]
+        except (ValueError, IndexError) as error:
+            raise MeshFileError(
+                "is no table of coordinates x y z, a line for each point; export it again"
+            ) from error
+        unit = others.shape[1] == 3 and np.allclose(np.linalg.norm(others, axis=1), 1.0, atol=0.01)
+        return PointCloud(points, others if unit else None, name=source.name)
+    except InputError as error:
+        raise type(error)(f"{source}: {error}") from error.__cause__
 
 
 def _ply(data: bytes, count: int) -> tuple[Floats, Floats | None]:

@@ -25,7 +25,14 @@ from sherd.mesh.preflight.prepared import Prepared
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.output import write_bytes
 
-__all__ = ["FORMATS", "read_content", "read_mesh", "read_mesh_with_notices", "write_mesh"]
+__all__ = [
+    "FORMATS",
+    "file_content",
+    "read_content",
+    "read_mesh",
+    "read_mesh_with_notices",
+    "write_mesh",
+]
 
 logger = logging.getLogger(__name__)
 logging.getLogger("trimesh").addHandler(logging.NullHandler())  # its warnings become our errors
@@ -99,7 +106,7 @@ def read_content(path: Path) -> tuple[bytes, Prepared]:
         As :func:`read_mesh` does; the message does not name the file.
     """
     prepare = _format_of(path)
-    data = _content(path)
+    data = file_content(path)
     with np.errstate(all="ignore"):  # odd numbers are refused by name, not warned about
         return data, prepare(data)
 
@@ -166,7 +173,8 @@ def _format_of(path: Path) -> Callable[[bytes], Prepared]:
     raise MeshFileError(f"has the unknown suffix {suffix!r}; sherd reads {known}: convert it")
 
 
-def _content(path: Path) -> bytes:
+def file_content(path: Path) -> bytes:
+    """The bytes of an ordinary file that is not empty; MeshFileError says why not."""
     try:
         mode = path.stat().st_mode
         if stat.S_ISDIR(mode):

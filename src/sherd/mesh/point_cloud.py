@@ -12,6 +12,7 @@ from scipy.sparse import csgraph
 from scipy.spatial import Delaunay, QhullError, cKDTree
 
 from sherd.errors import InvalidMeshError
+from sherd.mesh import gluing
 from sherd.mesh.geometry import face_normals
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.mesh.validate import checked_vertices, frozen
@@ -29,6 +30,8 @@ LONGEST = 2.5
 # Sum of the cosines between a face and the normals of its corners: 3 on a plane. Faces below bridge
 # two sheets.
 LEAST_AGREEMENT = 1.5
+# A piece with fewer faces is no surface: two rings around a point have more.
+LEAST_PIECE = 40
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -82,8 +85,9 @@ def surface_of(cloud: PointCloud) -> TriangleMesh:
     """A triangle mesh over all points of the cloud, numbered as they are.
 
     Each point is triangulated with its neighbors in its tangent plane; a triangle is taken if two
-    of its corners agree on it. Holes stay open. Faces agree with their neighbors, and with the
-    cloud's normals where it has some; without, an open surface may be inside out.
+    of its corners agree on it, or if it fills a gap between such. Holes stay open. Faces agree
+    with their neighbors, and with the cloud's normals where it has some; without, an open surface
+    may be inside out.
 
     Raises
     ------
@@ -93,7 +97,7 @@ def surface_of(cloud: PointCloud) -> TriangleMesh:
     Notes
     -----
     A Delaunay triangulation for each point: 10,000 points take about 3 s. Points that belong to
-    no triangle, as stray ones, are vertices without a face.
+    no triangle, as stray ones and crumbs of fewer than 40 triangles, are vertices without a face.
 
     References
     ----------
@@ -112,13 +116,14 @@ def surface_of(cloud: PointCloud) -> TriangleMesh:
     ]
     faces, agreed = np.unique(np.sort(np.concatenate(found), axis=1), axis=0, return_counts=True)
     normals = _oriented(frames[:, 2], near) if cloud.normals is None else cloud.normals
-    faces = _facing(points, faces[agreed >= 2], normals)
+    faces, kept = _facing(points, faces, normals)
+    faces = _manifold(points, faces, agreed[kept] >= 2)
     if not len(faces):
         raise InvalidMeshError(
             f"{cloud.name}: no surface runs through its {len(points)} points; they coincide, lie "
             "on a line, or are too few"
         )
-    return TriangleMesh(points, _manifold(points, faces), name=cloud.name)
+    return TriangleMesh(points, _without_crumbs(points, faces), name=cloud.name)
 
 
 def _checked_normals(normals: ArrayLike | None, count: int) -> Floats | None:
@@ -181,30 +186,55 @@ def _oriented(normals: Floats, near: Ints) -> Floats:
     return signed
 
 
-def _facing(points: Floats, faces: Ints, normals: Floats) -> Ints:
-    """Faces turned to the side of their corners' normals; those that stand across are left out."""
+def _facing(points: Floats, faces: Ints, normals: Floats) -> tuple[Ints, NDArray[np.bool_]]:
+    """Faces turned to the side of their corners' normals, and which were kept.
+
+    Those that stand across the normals are left out.
+    """
     across = face_normals(points, faces)
-    side = np.einsum("mx,mkx->mk", across, normals[faces])
-    turned = np.where((side.sum(axis=1) < 0)[:, None], faces[:, ::-1], faces)
-    kept: Ints = turned[np.abs(side.sum(axis=1)) > LEAST_AGREEMENT]
+    side = np.einsum("mx,mkx->mk", across, normals[faces]).sum(axis=1)
+    kept = np.abs(side) > LEAST_AGREEMENT
+    turned = np.where((side < 0)[:, None], faces[:, ::-1], faces)
+    return turned[kept], kept
+
+
+def _without_crumbs(points: Floats, faces: Ints) -> Ints:
+    """The faces of pieces with LEAST_PIECE faces or more; all if there are none."""
+    pairs = gluing.face_pairs(points, faces) // 3
+    piece = gluing.components(pairs[:, 0], pairs[:, 1], len(faces))
+    large = np.bincount(piece)[piece] >= LEAST_PIECE
+    kept: Ints = faces[large] if large.any() else faces
     return kept
 
 
-def _manifold(points: Floats, faces: Ints) -> Ints:
-    """Without the largest faces at edges that have more than two."""
+def _manifold(points: Floats, faces: Ints, agreed: NDArray[np.bool_]) -> Ints:
+    """The `agreed` faces, the smallest first, and others that close gaps between them.
+
+    No edge gets more than two. Noise makes neighbors draw different diagonals, on which nobody
+    agrees; a face closes a gap if it shares two sides or more with faces that are there.
+    """
     corners = points[faces]
     size = np.linalg.norm(
         np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1
     )
-    order = np.argsort(size, kind="stable")
+    order = np.argsort(size, kind="stable").tolist()
+    ordered = np.sort(faces, axis=1).tolist()
     uses: dict[tuple[int, int], int] = {}
-    kept = []
-    for face in order.tolist():
-        a, b, c = sorted(faces[face].tolist())
-        sides = ((a, b), (b, c), (a, c))
-        if all(uses.get(side, 0) < 2 for side in sides):
-            kept.append(face)
-            for side in sides:
-                uses[side] = uses.get(side, 0) + 1
-    manifold: Ints = faces[np.sort(kept)]
+    kept: list[int] = []
+    waiting = [face for face in order if agreed[face]]
+    others = [face for face in order if not agreed[face]]
+    least, before = 0, -1
+    while len(kept) > before:
+        before, left = len(kept), []
+        for face in waiting:
+            a, b, c = ordered[face]
+            sides = ((a, b), (b, c), (a, c))
+            there = [uses.get(side, 0) for side in sides]
+            if max(there) < 2 and sum(there) >= least:
+                kept.append(face)
+                uses.update(zip(sides, (count + 1 for count in there), strict=True))
+            else:
+                left.append(face)
+        waiting, least = others if least == 0 else left, 2
+    manifold: Ints = faces[np.sort(np.array(kept, dtype=np.int64))]
     return manifold
