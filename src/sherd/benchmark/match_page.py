@@ -137,7 +137,11 @@ def _stages(totals: Mapping[str, Mapping[str, Any]]) -> str:
         (name, *(_shown(total["stages"].get(name), "{:.2f}", 1) for total in totals.values()))
         for name in names
     ]
-    for name, title in (("seconds", "a pair"), ("template_seconds", "preparing a full shape")):
+    for name, title in (
+        ("seconds", "a pair"),
+        ("seconds_median", "a pair, median"),
+        ("template_seconds", "preparing a full shape"),
+    ):
         shown = (_shown(total[name], "{:.2f}", 1) for total in totals.values())
         body.append((title, *shown))
     return _table(("", *totals), body)

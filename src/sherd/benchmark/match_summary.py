@@ -95,7 +95,9 @@ def _total(rows: Sequence[MatchRow]) -> dict[str, Any]:
     total |= {
         "bad_pairs": sum(row.mean > BAD for row in answered),
         "worst": max((row.mean for row in answered), default=None),
-        "seconds": float(np.mean(seconds)) if answered else None,
+        "seconds": _mean(seconds),
+        # a machine that is busy for a while spoils the mean
+        "seconds_median": float(np.median(seconds)) if answered else None,
         "template_seconds": _mean([row.template_seconds for row in answered]),
         "stages": {name: _mean([row.seconds.get(name, 0.0) for row in answered]) for name in names},
         "curve": np.mean([row.curve for row in answered], axis=0).tolist() if answered else [],
