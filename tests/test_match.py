@@ -157,5 +157,7 @@ def test_hints_that_do_not_exist_and_parts_that_do_not_fit(template: Template) -
         match(template, full, MatchOptions(landmarks=((99_999, 0),)))
     with pytest.raises(InfeasibleError, match="swap them"):
         match(template, full.with_vertices(2 * full.vertices))
+    with pytest.raises(InfeasibleError, match="1e-12 times the area"):
+        match(template, full.with_vertices(1e-6 * full.vertices))
     with pytest.raises(InfeasibleError, match="ignored"):
         match(template, full, MatchOptions(ignore=tuple(range(full.vertex_count))))

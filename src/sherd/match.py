@@ -30,7 +30,7 @@ from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.mesh.validate import frozen
 from sherd.output import Stages
 from sherd.region.coverage import covered_region
-from sherd.template import Template
+from sherd.template import Template, refuse_tiny_part
 
 __all__ = [
     "Alternative",
@@ -244,7 +244,7 @@ def match(
     OptionError
         If a landmark or ignored vertex does not exist.
     InfeasibleError
-        If the part is larger than the full shape, or everything is ignored.
+        If the part is larger than the full shape or a dot on it, or everything is ignored.
 
     Examples
     --------
@@ -323,6 +323,7 @@ def _without_ignored(
             f"{part.name} has area {part.area:.4g}, but {template.full.name} only "
             f'{template.full.area:.4g}; swap them, or use scale="unknown" if the units differ'
         )
+    refuse_tiny_part(part, template.full)
     dropped = np.zeros(part.vertex_count, dtype=bool)
     dropped[list(options.ignore)] = True
     keep = ~dropped[part.faces].any(axis=1)

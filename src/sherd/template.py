@@ -16,7 +16,7 @@ from scipy.spatial import cKDTree
 
 from sherd.descriptors.rotation_shot import rotation_spectra
 from sherd.descriptors.tangent_frames import geodesic_directions, smoothed_normals, tangent_axes
-from sherd.errors import MeshFileError
+from sherd.errors import InfeasibleError, MeshFileError
 from sherd.mesh.surface_finder import SurfaceFinder
 from sherd.mesh.surface_points import SurfacePoints, closest_points
 from sherd.mesh.triangle_mesh import TriangleMesh
@@ -26,7 +26,15 @@ from sherd.spectral.geodesics import Geodesics
 from sherd.spectral.sampling import decimate, farthest_point_sample
 from sherd.spectral.subdivision import split_long_edges
 
-__all__ = ["AXIS_WIDTH", "NEAR", "RADII", "Template", "canonical", "working_mesh"]
+__all__ = [
+    "AXIS_WIDTH",
+    "NEAR",
+    "RADII",
+    "Template",
+    "canonical",
+    "refuse_tiny_part",
+    "working_mesh",
+]
 
 Floats = NDArray[np.float64]
 Singles = NDArray[np.float32]
@@ -50,6 +58,8 @@ MOST_VERTICES = 20_000
 # Right triangles with edges of at least half the longest length have at most 20,000 vertices
 # on area 1; a quarter more is for those that are not even.
 ROOM = 1.25
+# In area: a part 3e-5 of the length of the full shape lies between the vertices of any mesh.
+SMALLEST_PART = 1e-9
 # A disk that needs n vertices has 3.5 sqrt(n) at its border, a tenth of a thousand. A denser
 # border, as large scans have, would leave the inside without vertices, so it is thinned as well.
 LARGEST_BORDER = 0.2
@@ -299,6 +309,15 @@ class Template:
 
 
 _SAVED = ("label_vertices", "label_distances", "label_directions", "normals", "spectra")
+
+
+def refuse_tiny_part(part: TriangleMesh, full: TriangleMesh) -> None:
+    """Raise InfeasibleError if the part is a dot on the full shape."""
+    if part.area < SMALLEST_PART * full.area:
+        raise InfeasibleError(
+            f"{part.name} has {part.area / full.area:.2g} times the area of {full.name}, too "
+            "little to be found there; are the two in different units?"
+        )
 
 
 def working_mesh(mesh: TriangleMesh) -> TriangleMesh:

@@ -117,8 +117,10 @@ def test_part_in_two_pieces(animal) -> None:
 
 def test_refusals(animal) -> None:
     large = animal.with_vertices(animal.vertices * 1.05)
-    with pytest.raises(InfeasibleError, match=r"1\.10 times the area"):
+    with pytest.raises(InfeasibleError, match=r"1\.10. times the area"):
         locate(animal, large)
+    with pytest.raises(InfeasibleError, match=r"1e-12 times the area .* different units"):
+        locate(animal, animal.with_vertices(1e-6 * animal.vertices))
     with pytest.raises(OptionError, match="method is 'magic'"):
         LocateOptions(method="magic")
     with pytest.raises(OptionError, match="basis_size is 1"):

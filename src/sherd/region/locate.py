@@ -18,7 +18,7 @@ from sherd.region.options import LocateOptions
 from sherd.region.problem import LARGEST_AREA_RATIO
 from sherd.region.region import Placement, Region
 from sherd.region.voting import locate_by_voting
-from sherd.template import working_mesh
+from sherd.template import refuse_tiny_part, working_mesh
 
 __all__ = ["locate"]
 
@@ -54,7 +54,8 @@ def locate(
     Raises
     ------
     InfeasibleError
-        If the part is larger than 1.05 times the full shape, or a shape has no area.
+        If the part is larger than 1.05 times the full shape or a dot on it, or a shape has no
+        area.
 
     Notes
     -----
@@ -121,10 +122,11 @@ def _check_areas(full: TriangleMesh, part: TriangleMesh) -> None:
             )
     if part.area > LARGEST_AREA_RATIO * full.area:
         raise InfeasibleError(
-            f"{part.name} has {part.area / full.area:.2f} times the area of {full.name}, but a "
+            f"{part.name} has {part.area / full.area:.4g} times the area of {full.name}, but a "
             f"part is at most {LARGEST_AREA_RATIO} times as large as the full shape; are the two "
             "swapped, or in different units?"
         )
+    refuse_tiny_part(part, full)
 
 
 def _moved(mesh: TriangleMesh, unit: float) -> TriangleMesh:
