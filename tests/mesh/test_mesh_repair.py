@@ -188,6 +188,13 @@ def test_a_bow_tie_is_doubled():
     assert report.new_vertices.tolist() == [0, 1, 2, 3, 4]
 
 
+def test_a_sliver_that_joining_flattens_goes():
+    vertices = [[0, 0, 0], [2, 0, 0], [0, 2, 0], [0, 0, 0], [2, -1e-7, 0], [4, 0, 0]]
+    repaired, report = repair(TriangleMesh(vertices, [[0, 1, 2], [3, 5, 4]]))
+    assert repaired.faces.tolist() == [[0, 1, 2]]
+    assert report.new_vertices.tolist() == [0, 1, 2, 0, 1, -1]
+
+
 def test_closed_pieces_far_from_each_other_are_seen_from_near():
     corners, outward = cube()
     vertices = np.vstack([corners, 0.7 * corners + 1e7])

@@ -126,7 +126,10 @@ def weld_seams(vertices: Floats, faces: Ints) -> Change:
         onto = rank[onto.ravel()]
         concerned[rows[touched]] = True
         origin, renumber, welded = origin[first[order]], onto[renumber], onto[welded]
-        solid = ~(welded == welded[:, [1, 2, 0]]).any(axis=1)
+        # a joined corner moves by up to the tolerance, which may leave a thin face without area
+        moved = np.flatnonzero((np.bincount(onto) > 1)[welded].any(axis=1))
+        solid = np.ones(len(welded), dtype=bool)
+        solid[moved] = ~degenerate_faces(vertices[origin], welded[moved])
         rows, welded = rows[solid], welded[solid]
     count = len(vertices) - len(origin)
     sentence = "joined {vertex} to others along coincident edges"
