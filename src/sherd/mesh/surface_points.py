@@ -132,7 +132,7 @@ def closest_points(
     weights = np.empty((len(points), 3))
     for start in range(0, len(points), BLOCK):  # the neighbors of all points at once fill memory
         block = slice(start, start + BLOCK)
-        near = tree.query(points[block], k=count)[1].reshape(-1, count)
+        near = tree.query(points[block], k=count, workers=-1)[1].reshape(-1, count)
         closest_on_faces(
             points[block], near, corners, np.zeros(near.shape), faces[block], weights[block]
         )

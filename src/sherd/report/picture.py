@@ -141,7 +141,7 @@ def png_bytes(image: Image.Image) -> bytes:
     stream = io.BytesIO()
     if image.getchannel("A").getextrema() == (255, 255):
         image = image.convert("RGB")
-    image.save(stream, "PNG", optimize=True)
+    image.save(stream, "PNG")  # to optimize takes seven times as long for 4 % of the size
     return stream.getvalue()
 
 
