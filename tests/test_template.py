@@ -82,6 +82,29 @@ def test_damaged_files_are_refused(tmp_path: Path, content: bytes) -> None:
         Template.load(path)
 
 
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("format", np.zeros(3)),
+        ("label_vertices", np.array([0, 10**6])),
+        ("label_vertices", np.zeros(0, dtype=int)),
+        ("label_distances", np.zeros((2, 2))),
+        ("spectra", np.zeros((5, 3, 2), dtype=int)),
+        ("normals", np.array(["x"])),
+    ],
+)
+def test_arrays_that_do_not_belong_together_are_refused(
+    template: Template, tmp_path: Path, name: str, value: np.ndarray
+) -> None:
+    path = tmp_path / "egg.npz"
+    template.save(path)
+    with np.load(path) as stored:
+        content = dict(stored)
+    np.savez(path, **{**content, name: value})
+    with pytest.raises(MeshFileError, match="no template of this version"):
+        Template.load(path)
+
+
 def test_other_archives_and_missing_files_are_refused(tmp_path: Path) -> None:
     np.savez(tmp_path / "other.npz", vertices=np.zeros(3))
     with pytest.raises(MeshFileError, match="no template of this version"):

@@ -282,10 +282,13 @@ class Template:
             with Path(path).open("rb") as stream, np.load(stream, allow_pickle=False) as stored:
                 content: dict[str, Any] = dict(stored)
         except (OSError, ValueError, TypeError, EOFError, zipfile.BadZipFile, zlib.error) as error:
-            raise MeshFileError(f"{path}: cannot be read as a template ({error})") from error
+            reason = getattr(error, "strerror", None) or "damaged, or no template"
+            raise MeshFileError(
+                f"{path}: cannot be read as a template ({reason}); make it again"
+            ) from error
         missing = {"format", "name", "vertices", "faces", "unit_vertices", "unit_faces", *_SAVED}
         missing -= set(content)
-        if missing or int(content["format"]) != FORMAT:
+        if missing or content["format"].tolist() != FORMAT or not _fit(content):
             raise MeshFileError(f"{path}: is no template of this version of sherd; make it again")
         full = TriangleMesh(content["vertices"], content["faces"], name=str(content["name"]))
         template = cls(full)
@@ -306,6 +309,26 @@ class Template:
             z_axes=self.normals[vertices],
             radii=RADII,
         )
+
+
+def _fit(content: dict[str, Any]) -> bool:
+    """Whether stored arrays have the shapes and kinds that belong together."""
+    labels, vertices = content["label_vertices"], len(np.atleast_1d(content["unit_vertices"]))
+    count = len(np.atleast_1d(labels))
+    shapes = {
+        "label_vertices": (count,),
+        "label_distances": (count, vertices),
+        "label_directions": (count, count),
+        "normals": (vertices, 3),
+    }
+    if any(content[name].shape != shape for name, shape in shapes.items()):
+        return False
+    spectra = content["spectra"]
+    if spectra.ndim != 3 or spectra.shape[1] != vertices or count == 0:
+        return False
+    if any(content[name].dtype.kind != "f" for name in _SAVED if name != "label_vertices"):
+        return False
+    return bool(labels.dtype.kind == "i" and 0 <= labels.min() <= labels.max() < vertices)
 
 
 _SAVED = ("label_vertices", "label_distances", "label_directions", "normals", "spectra")

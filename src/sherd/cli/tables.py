@@ -16,6 +16,8 @@ __all__ = ["columns_of", "numbers_of", "read_ground_truth", "read_ignored", "rea
 
 Ints = NDArray[np.int64]
 
+LARGEST_WHOLE = 2.0**53  # beyond it float64 skips whole numbers
+
 
 def columns_of(path: Path) -> dict[str, list[str]]:
     """A CSV file with a header as lists of strings by column name.
@@ -76,6 +78,8 @@ def read_ground_truth(path: Path, full: TriangleMesh, part: TriangleMesh) -> Sur
             raise InputError(f"{path}: cannot be read as a table of numbers ({error})") from error
         if table.shape[1] != 4:
             raise InputError(f"{path}: has {table.shape[1]} columns, but a face and three weights")
+        if not (np.abs(table) < LARGEST_WHOLE).all():
+            raise InputError(f"{path}: holds a number that is not finite or far too large")
         faces, weights = table[:, 0].astype(np.int64) - 1, table[:, 1:]
     if len(faces) != part.vertex_count:
         raise InputError(f"{path}: has {len(faces)} rows, but {part.name} {part.vertex_count}")
@@ -90,7 +94,7 @@ def read_ground_truth(path: Path, full: TriangleMesh, part: TriangleMesh) -> Sur
 
 def _integers(path: Path, columns: dict[str, list[str]], name: str) -> Ints:
     values = numbers_of(path, columns, name)
-    whole = values.astype(np.int64)
+    whole = np.where(np.abs(values) < LARGEST_WHOLE, values, -1).astype(np.int64)
     if not np.array_equal(whole, values):
         row = int(np.argmax(whole != values)) + 2
         raise InputError(f"{path}: row {row} of column {name} is no whole number")
