@@ -140,6 +140,8 @@ def _joined_once(vertices: Floats, faces: Ints) -> tuple[Ints, Bools]:
     """Label of each vertex (n,), equal for those to be joined, and the faces (m,) at the seams."""
     group, uses = gluing.edge_groups(faces)
     free = uses[group] == 1
+    if not free.any():
+        return np.arange(len(vertices)), np.zeros(len(faces), dtype=bool)
     tolerance = WELD_TOLERANCE * float(np.sqrt(geometry.face_areas(vertices, faces).sum()))
     classes = np.full(len(vertices), -1, dtype=np.int64)
     border = np.unique(np.concatenate([_starts(faces)[free], _ends(faces)[free]]))

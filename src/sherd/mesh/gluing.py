@@ -42,14 +42,37 @@ def end_corners(half_edges: Ints) -> Ints:
 
 def edge_groups(faces: Ints) -> tuple[Ints, Ints]:
     """Edge of each half-edge (3m,), and the number of half-edges of each edge (e,)."""
-    start = faces.ravel()
-    end = faces[:, [1, 2, 0]].ravel()
+    order, first = _by_edge(*_sides(faces))
+    uses = np.diff(np.append(first, len(order)))
+    group = np.empty(len(order), dtype=np.int64)
+    group[order] = np.repeat(np.arange(len(first)), uses)
+    return group, uses.astype(np.int64)
+
+
+def _sides(faces: Ints) -> tuple[Ints, Ints]:
+    """Where each half-edge starts and ends, (3m,) each."""
+    return faces.ravel(), faces[:, [1, 2, 0]].ravel()
+
+
+def _by_edge(start: Ints, end: Ints) -> tuple[Ints, Ints]:
+    """Half-edges (h,) sorted by edge and number, and the place (e,) at which each edge begins."""
     lowest = min(int(start.min(initial=0)), 0)  # places of seams may be below zero
     start, end = start - lowest, end - lowest
-    count = int(start.max(initial=0)) + 1
+    size, count = len(start), int(max(start.max(initial=0), end.max(initial=0))) + 1
     key = np.minimum(start, end) * count + np.maximum(start, end)
-    _, group, uses = np.unique(key, return_inverse=True, return_counts=True)
-    return group.ravel(), uses.astype(np.int64)
+    if count * count * size < np.iinfo(np.int64).max:
+        # edge and number in one whole number: sorting values is twice as fast as sorting places
+        key *= max(size, 1)
+        key += np.arange(size)
+        key.sort()
+        edge = key // max(size, 1)
+        order = key - edge * size
+    else:
+        order = np.argsort(key, kind="stable")
+        edge = key[order]
+    first = np.ones(size, dtype=bool)
+    np.not_equal(edge[1:], edge[:-1], out=first[1:])
+    return order, np.flatnonzero(first)
 
 
 def same_direction(faces: Ints, pairs: Ints) -> Bools:
@@ -77,24 +100,26 @@ def face_pairs(
         (3m,) half-edges to look at; all if None.
     """
     places = faces if places is None else places
-    group, uses = edge_groups(places)
-    if among is not None:
-        uses = np.bincount(group[among], minlength=len(uses))
-    eligible = np.ones(len(group), dtype=bool) if among is None else among
-    half = np.flatnonzero(eligible & (uses[group] >= 2) & (uses[group] <= _MOST_SHEETS))
-    half = half[np.argsort(group[half], kind="stable")]
-    simple = half[uses[group[half]] == 2].reshape(-1, 2)
-    crowded = half[uses[group[half]] > 2]
-    if len(crowded):
+    start, end = _sides(places)
+    half = np.arange(len(start)) if among is None else np.flatnonzero(among)
+    order, first = _by_edge(start[half], end[half])
+    half, uses = half[order], np.diff(np.append(first, len(order)))
+    two = first[uses == 2]
+    simple = np.stack([half[two], half[two + 1]], axis=1)
+    crowded = (uses > 2) & (uses <= _MOST_SHEETS)
+    if crowded.any():
+        group = np.repeat(np.arange(len(first)), uses)
+        chosen = crowded[group]
         normals = geometry.face_normals(vertices, faces)
-        simple = np.vstack([simple, _smoothest(normals, places, crowded, group)])
+        smooth = _smoothest(normals, places, half[chosen], group[chosen])
+        simple = np.vstack([simple, smooth])
     pairs: Ints = simple
     return pairs
 
 
 def _smoothest(normals: Floats, places: Ints, half: Ints, group: Ints) -> Ints:
     """Pair half-edges (sorted by group) greedily by the smoothness of the continuation."""
-    candidates = _pairs_within(half, group[half])
+    candidates = _pairs_within(half, group)
     smooth = np.einsum("pc,pc->p", normals[candidates[:, 0] // 3], normals[candidates[:, 1] // 3])
     smooth = np.where(same_direction(places, candidates), -smooth, smooth)
     return _greedy(candidates, smooth)
