@@ -12,6 +12,7 @@ import json
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict
+from functools import partial
 from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
@@ -47,7 +48,7 @@ def match_benchmark(
     words
         About the data set: ``"title"``, ``"data"`` and ``"meshes"``, kept in bench.json.
     jobs
-        Processes; pairs of one full shape go to one process, which prepares it once.
+        Processes; each prepares the full shapes for itself.
 
     Raises
     ------
@@ -77,28 +78,23 @@ def match_benchmark(
 def _measured_all(
     waiting: list[tuple[str, PairSource]], settings: BenchmarkSettings, jobs: int
 ) -> Iterator[tuple[str, MatchRow]]:
-    # pairs of one full shape one after another: it is prepared once
+    # pairs of one full shape one after another: it is prepared once in each process
     waiting = sorted(waiting, key=lambda entry: str(entry[1].full))
     if jobs == 1 or len(waiting) < 2:
         for key, source in waiting:
             yield key, measured(source, settings)
         return
-    groups = [
-        [entry for entry in waiting if entry[1].full == full]
-        for full in dict.fromkeys(entry[1].full for entry in waiting)
-    ]
+    keys, sources = zip(*waiting, strict=True)
     with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
-        for batch in pool.map(_measured_group, groups, [settings] * len(groups)):
-            yield from batch
+        work = pool.map(partial(_measured_beside_others, settings=settings), sources)
+        yield from zip(keys, work, strict=True)
 
 
-def _measured_group(
-    group: list[tuple[str, PairSource]], settings: BenchmarkSettings
-) -> list[tuple[str, MatchRow]]:
+def _measured_beside_others(source: PairSource, settings: BenchmarkSettings) -> MatchRow:
     import numba  # noqa: PLC0415
 
     numba.set_num_threads(1)  # the processes share the cores
-    return [(key, measured(source, settings)) for key, source in group]
+    return measured(source, settings)
 
 
 def _key(source: PairSource, settings: BenchmarkSettings) -> str:

@@ -113,11 +113,8 @@ def mirrored_queries(queries: Queries) -> Queries:
 def settled(template: Template, part: PartData, labeling: Labeling, queries: Queries) -> Hypothesis:
     """Carry a labeling through to points: trilaterate, lay on, find the region, look again."""
     placement = _laid_by_neighborhoods(template, part, labeling, queries, FIRST_REACHES)
-    inside = _spectra_inside(template, part, placement)
-    look = Look(queries.vertices, inside, queries.plain, np.ones(len(queries.vertices)))
-    placement = laid_on(
-        template, part, placement, look, finder=template.finder, reaches=SECOND_REACHES
-    )
+    look = _look_inside(template, part, placement, queries)
+    placement = laid_on(template, part, placement, look, reaches=SECOND_REACHES)
     return _judged(template, part, labeling, placement, look)
 
 
@@ -126,8 +123,7 @@ def roughly_settled(
 ) -> Hypothesis:
     """As :func:`settled`, with one look only: enough to see and to judge a placement."""
     placement = _laid_by_neighborhoods(template, part, labeling, queries, FIRST_REACHES[:1])
-    inside = _spectra_inside(template, part, placement)
-    look = Look(queries.vertices, inside, queries.plain, np.ones(len(queries.vertices)))
+    look = _look_inside(template, part, placement, queries)
     return _judged(template, part, labeling, placement, look)
 
 
@@ -142,13 +138,16 @@ def _laid_by_neighborhoods(
     placement = pulled_together(template, part, trilaterated(template, part, labeling))
     trust = np.clip(part.cut_distance[queries.vertices] / CUT_LENGTH, CUT_LEAST, 1.0)
     look = Look(queries.vertices, template.spectra, queries.cut_aware, trust)
-    return laid_on(template, part, placement, look, finder=template.finder, reaches=reaches)
+    return laid_on(template, part, placement, look, reaches=reaches)
 
 
-def _spectra_inside(template: Template, part: PartData, placement: Placement) -> Singles:
-    """Spectra of the full shape when only what the part covers is seen."""
+def _look_inside(
+    template: Template, part: PartData, placement: Placement, queries: Queries
+) -> Look:
+    """Of the full shape only what the part covers is seen, so all neighborhoods are complete."""
     seen = covered_vertices(template.finder, placement.positions, part.mesh.faces)
-    return template.spectra_within(seen)
+    trust = np.ones(len(queries.vertices))
+    return Look(queries.vertices, template.spectra_within(seen), queries.plain, trust)
 
 
 def _judged(
@@ -163,8 +162,9 @@ def _judged(
     )
     mask = _covered(template, placement, part)
     points = on_surface(template.own_finder, part, placement)
-    inside = look.full_spectra
-    return Hypothesis(labeling, placement, points, mask, inside, similarity, strain, float(score))
+    return Hypothesis(
+        labeling, placement, points, mask, look.full_spectra, similarity, strain, float(score)
+    )
 
 
 def _covered(template: Template, placement: Placement, part: PartData) -> NDArray[np.bool_]:

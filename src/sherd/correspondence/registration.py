@@ -114,15 +114,13 @@ def laid_on(
     placement: Placement,
     look: Look,
     *,
-    finder: SurfaceFinder,
     reaches: tuple[float, ...],
     slides: int = 3,
 ) -> Placement:
     """The elastic part laid on the full shape, drawn to similar places.
 
     One round per entry of `reaches`: look for similar places within that radius, then `slides`
-    times find the closest points of the surface and relax. `finder` knows the surface of
-    `template.unit`.
+    times find the closest points of the surface and relax.
     """
     queries = look.vertices
     elastic = elastic_surface(part)
@@ -134,7 +132,7 @@ def laid_on(
         confidence = confidence * look.trust
         for _ in range(slides):
             normals = vertex_normals(placement.positions, part.mesh.faces)
-            points = finder.closest(placement.positions, normals)
+            points = template.finder.closest(placement.positions, normals)
             foot = points.positions(template.unit)
             up = points.interpolate(template.unit, template.unit.vertex_normals)
             up /= np.maximum(np.linalg.norm(up, axis=1, keepdims=True), 1e-12)
