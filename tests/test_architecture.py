@@ -23,6 +23,7 @@ FLOORS = {
     "region": 6,
     "correspondence": 6,
     "match": 7,
+    "either_side": 8,
     "report": 8,
     "transfer": 8,
     "benchmark": 9,

@@ -11,9 +11,11 @@ import numpy as np
 import pytest
 import trimesh
 
-from sherd.errors import InputError
+from sherd.either_side import match_either_side
+from sherd.errors import InputError, InvalidMeshError
 from sherd.match import match
 from sherd.mesh.repair import repair
+from sherd.mesh.sides import side_is_unclear, turned_over
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.region.locate import locate
@@ -28,6 +30,7 @@ from sherd.shapes.fragment import (
     remeshed,
     whole,
     with_clutter,
+    with_flipped_faces,
 )
 from sherd.template import Template
 
@@ -55,6 +58,21 @@ def test_pieces_of_one_scan_find_their_own_limbs(template: Template) -> None:
     error = errors(part, match(template, part.mesh).point_map.points)
     assert (np.bincount(labels, error) / np.bincount(labels)).max() < 0.03
     assert error.mean() < 0.01
+
+
+def test_faces_turned_at_random_are_refused_and_both_sides_tried(template: Template) -> None:
+    """Half of the faces: repair makes them agree, but cannot tell the outside of an open part."""
+    posed = whole(creature(5000, pose="walk"), template.full)
+    part = remeshed(cut_by_ball(posed, 100, 0.4), 1.1)
+    spoiled = with_flipped_faces(part, 0.5, rng=np.random.default_rng(0)).mesh
+    with pytest.raises(InvalidMeshError, match=r"at (49|50|51) % of the edges .* repair"):
+        match(template, spoiled)
+    mended, report = repair(spoiled)
+    assert side_is_unclear(mended, report)
+    inside_out = turned_over(part.mesh)
+    result = match_either_side(template, inside_out)
+    assert result.part.faces.tolist() == part.mesh.faces.tolist()
+    assert errors(part, result.point_map.points).mean() < 0.02
 
 
 def test_clutter_is_unmatched_and_the_rest_is_not(template: Template) -> None:

@@ -19,6 +19,7 @@ from sherd._version import __version__
 
 if TYPE_CHECKING:
     from sherd.correspondence.point_map import PointMap
+    from sherd.either_side import match_either_side
     from sherd.errors import (
         InfeasibleError,
         InputError,
@@ -91,6 +92,7 @@ _HOMES = {
     "landmarks_to_part": "sherd.transfer",
     "locate": "sherd.region.locate",
     "match": "sherd.match",
+    "match_either_side": "sherd.either_side",
     "plot": "sherd.report.notebook",
     "read_match": "sherd.report.stored_match",
     "read_mesh": "sherd.mesh.files",
@@ -140,6 +142,7 @@ __all__ = [
     "landmarks_to_part",
     "locate",
     "match",
+    "match_either_side",
     "plot",
     "read_match",
     "read_mesh",

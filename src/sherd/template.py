@@ -17,6 +17,7 @@ from scipy.spatial import cKDTree
 from sherd.descriptors.rotation_shot import rotation_spectra
 from sherd.descriptors.tangent_frames import geodesic_directions, smoothed_normals, tangent_axes
 from sherd.errors import InfeasibleError, MeshFileError
+from sherd.mesh.sides import check_sides
 from sherd.mesh.surface_finder import SurfaceFinder
 from sherd.mesh.surface_points import SurfacePoints, closest_points
 from sherd.mesh.triangle_mesh import TriangleMesh
@@ -350,11 +351,17 @@ def working_mesh(mesh: TriangleMesh) -> TriangleMesh:
     edges are split, which leaves the surface and the given vertices as they are; only hair-thin
     faces, which would take vertices without end, keep longer edges. A mesh with many more vertices
     than answers need is decimated before.
+
+    Raises
+    ------
+    InvalidMeshError
+        If the faces do not agree on which side is outside.
     """
     most = int(MOST_VERTICES * max(mesh.area, 0.1))
     if mesh.vertex_count > most:
         keep = len(mesh.boundary_vertices) <= LARGEST_BORDER * most
         mesh = decimate(mesh, most, keep_border=keep)[0]
+    check_sides(mesh)
     room = int(ROOM * most)
     vertices, faces = split_long_edges(mesh.vertices, mesh.faces, LONGEST_EDGE, most=room)
     if len(vertices) == mesh.vertex_count:

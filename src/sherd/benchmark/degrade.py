@@ -18,9 +18,11 @@ import numpy as np
 from sherd._version import __version__
 from sherd.benchmark.metrics import GroundTruthDistances
 from sherd.benchmark.paper_drawing import check_plotting, draw_curves
+from sherd.either_side import match_either_side
 from sherd.match import MatchResult, match
 from sherd.mesh.point_cloud import PointCloud, surface_of
 from sherd.mesh.repair import repair
+from sherd.mesh.sides import side_is_unclear
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.output import write_text
 from sherd.shapes.creature import creature
@@ -203,7 +205,8 @@ def _measured(
     mended, report = repair(part.mesh)
     template.prepare()
     start = time.perf_counter()
-    result = match(template, mended)
+    matching = match_either_side if side_is_unclear(mended, report) else match
+    result = matching(template, mended)
     seconds = time.perf_counter() - start
     truth = part.truth[report.original_vertices]
     present = part.present[report.original_vertices]

@@ -13,12 +13,10 @@ from sherd.mesh.cloud_files import read_points
 from sherd.mesh.files import read_mesh_with_notices
 from sherd.mesh.point_cloud import surface_of
 from sherd.mesh.repair import RepairReport, repair
+from sherd.mesh.sides import side_is_unclear, turned_over
 from sherd.mesh.triangle_mesh import TriangleMesh
 
 __all__ = ["PreparedMesh", "command_line", "prepared_mesh", "prepared_part", "show_notices"]
-
-# Repair turns the smaller side over, so at most half of the area.
-UNCLEAR = 0.4
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +36,7 @@ class PreparedMesh:
     def turned(self) -> PreparedMesh:
         """The same with all faces turned over."""
         return replace(
-            self, original=_turned_over(self.original), repaired=_turned_over(self.repaired)
+            self, original=turned_over(self.original), repaired=turned_over(self.repaired)
         )
 
 
@@ -47,7 +45,7 @@ def prepared_part(path: Path) -> PreparedMesh:
     part = read_points(path)
     if part is None:
         mesh = prepared_mesh(path)
-        return replace(mesh, one_sided=_side_is_unclear(mesh))
+        return replace(mesh, one_sided=side_is_unclear(mesh.repaired, mesh.report))
     original = surface_of(part)
     repaired, report = repair(original)
     known = part.normals is not None
@@ -65,16 +63,6 @@ def prepared_mesh(path: Path) -> PreparedMesh:
     repaired, report = repair(original)
     said = (*notices, *(f"repaired for this run: {text}" for text in report.notices))
     return PreparedMesh(original, repaired, report, said)
-
-
-def _side_is_unclear(mesh: PreparedMesh) -> bool:
-    """Whether so many faces of an open mesh were turned over that the majority says little."""
-    turned = sum(step.area_fraction for step in mesh.report.steps if step.name == "orient faces")
-    return turned > UNCLEAR and len(mesh.repaired.boundary_vertices) > 0
-
-
-def _turned_over(mesh: TriangleMesh) -> TriangleMesh:
-    return TriangleMesh(mesh.vertices, mesh.faces[:, ::-1], fields=mesh.fields, name=mesh.name)
 
 
 def show_notices(*meshes: PreparedMesh) -> None:

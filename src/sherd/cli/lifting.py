@@ -13,6 +13,7 @@ from sherd.correspondence.point_map import PointMap
 from sherd.errors import InputError
 from sherd.match import MatchResult
 from sherd.mesh.surface_points import SurfacePoints
+from sherd.mesh.triangle_mesh import TriangleMesh
 
 __all__ = ["as_read", "original_points", "repaired_vertices"]
 
@@ -51,17 +52,29 @@ def original_points(prepared: PreparedMesh, points: SurfacePoints) -> SurfacePoi
     """
     if not prepared.report.changed:
         return points
-    new, old = prepared.report.new_vertices, prepared.report.original_vertices
-    # welded vertices share one representative; doubled ones have the same old vertex
-    representative = np.where(new >= 0, old[np.maximum(new, 0)], np.arange(len(new)))
-    before = representative[prepared.original.faces]
-    after = representative[old[prepared.repaired.faces]]
+    before, after = _corner_names(prepared)
     matching = _rows_found(np.sort(after, axis=1), np.sort(before, axis=1))
     faces = matching[points.faces]
     # the weight of a corner goes to the corner with the same representative
     corners, wanted = after[points.faces], before[faces]
     same = wanted[:, :, None] == corners[:, None, :]
     return SurfacePoints(faces, np.einsum("pij,pj->pi", same, points.barycentric))
+
+
+def _turned_as_repaired(prepared: PreparedMesh) -> TriangleMesh:
+    """The mesh of the file with each face as the repaired mesh has it, so that sides agree."""
+    mesh = prepared.original
+    before, after = _corner_names(prepared)
+    match = _rows_found(np.sort(before, axis=1), np.sort(after, axis=1))
+    known = np.flatnonzero(match < len(after))  # others were left out
+    rows, wanted = before[known], after[match[known]]
+    kept = [(np.roll(rows, turn, axis=1) == wanted).all(axis=1) for turn in range(3)]
+    turned = known[~np.logical_or.reduce(kept)]
+    if not len(turned):
+        return mesh
+    faces = mesh.faces.copy()
+    faces[turned] = faces[turned, ::-1]
+    return TriangleMesh(mesh.vertices, faces, fields=mesh.fields, name=mesh.name)
 
 
 def _nearest_kept(prepared: PreparedMesh) -> Ints:
@@ -74,8 +87,16 @@ def _nearest_kept(prepared: PreparedMesh) -> Ints:
     return source
 
 
+def _corner_names(prepared: PreparedMesh) -> tuple[Ints, Ints]:
+    """Corners of the faces before (m, 3) and after (m', 3) repair, by old representatives."""
+    new, old = prepared.report.new_vertices, prepared.report.original_vertices
+    # welded vertices share one representative; doubled ones have the same old vertex
+    representative = np.where(new >= 0, old[np.maximum(new, 0)], np.arange(len(new)))
+    return representative[prepared.original.faces], representative[old[prepared.repaired.faces]]
+
+
 def _rows_found(wanted: Ints, rows: Ints) -> Ints:
-    """For each row (m, 3) of `wanted` the first equal row of `rows` (k, 3); each has one."""
+    """For each row (m, 3) of `wanted` the first equal row of `rows` (k, 3); k or more if none."""
     both = np.concatenate([rows, wanted])
     base = int(both.max()) + 1
     # two whole numbers per row: a pair of indices, named anew so that the third fits beside it
@@ -88,7 +109,7 @@ def _rows_found(wanted: Ints, rows: Ints) -> Ints:
 
 
 def as_read(result: MatchResult, full: PreparedMesh, part: PreparedMesh) -> MatchResult:
-    """The result on the user's meshes.
+    """The result on the user's meshes; those faces of the part that repair turned are turned.
 
     Vertices of the part without a face are unmatched; their best guess is the nearest one's answer.
     """
@@ -119,7 +140,7 @@ def as_read(result: MatchResult, full: PreparedMesh, part: PreparedMesh) -> Matc
     return replace(
         result,
         full=full.original,
-        part=part.original,
+        part=_turned_as_repaired(part),
         point_map=point_map,
         region=region,
         alternatives=alternatives,

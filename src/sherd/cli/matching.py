@@ -117,10 +117,13 @@ def match_and_write(
 ) -> tuple[MatchResult, dict[str, Any]]:
     """Match the repaired meshes and write the answer in the numbering of the files."""
     true_points = None if truth is None else read_ground_truth(truth, full.original, part.original)
-    found = match(template or full.repaired, part.repaired, options, stages=stages)
-    if part.one_sided:  # points without normals: the side on which neighborhoods agree is outside
+    template = template or Template(full.repaired)
+    found = match(template, part.repaired, options, stages=stages)
+    # where the faces do not tell, the side on which neighborhoods agree is outside
+    inside_out = found.status is MatchStatus.DOUBTFUL and len(part.repaired.boundary_vertices) > 0
+    if part.one_sided or inside_out:
         turned = part.turned()
-        other = match(template or full.repaired, turned.repaired, options, stages=stages)
+        other = match(template, turned.repaired, options, stages=stages)
         if other.scores["best"] > found.scores["best"]:
             found, part = other, turned
     show_notices(full, part)
