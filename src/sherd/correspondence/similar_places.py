@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sherd.descriptors.rotation_shot import shift_table, similarity_of_two
+from sherd.mesh.vertex_cells import sorted_into_cells, vertices_in_ball
 from sherd.template import Template
 
 __all__ = ["Look", "similar_places"]
@@ -60,13 +61,9 @@ def similar_places(
     here = positions[look.vertices]
     # the nearest vertex is always compared, and says which sheet of the surface is meant
     nearest: Ints = np.asarray(template.vertex_tree.query(here, workers=-1)[1])
-    balls = template.vertex_tree.query_ball_point(here, reach, return_sorted=True, workers=-1)
-    found: list[list[int]] = list(balls)  # type: ignore[arg-type]
-    pointers = np.concatenate([[0], np.cumsum([len(row) for row in found])])
-    candidates = np.concatenate([*found, np.empty(0)]).astype(np.int64)
     unit = template.unit
     answers: tuple[Floats, Floats, Floats] = _most_alike(
-        here, (nearest, pointers, candidates),
+        here, nearest, sorted_into_cells(unit.vertices, reach),
         (unit.vertices, template.normals, unit.vertex_areas),
         (look.full_spectra, look.part_spectra, shift_table()), reach,
     )  # fmt: skip
@@ -74,20 +71,17 @@ def similar_places(
 
 
 @numba.njit(cache=True, parallel=True)
-def _most_alike(here, balls, surface, spectra, reach):  # type: ignore[no-untyped-def]
+def _most_alike(here, nearest, cells, surface, spectra, reach):  # type: ignore[no-untyped-def]
     """Targets, confidence and similarity; see :func:`similar_places`."""
-    nearest, pointers, candidates = balls
     vertices, normals, areas = surface
     full_spectra, part_spectra, waves = spectra
     targets = np.empty((len(here), 3))
     confidence, similarity = np.empty(len(here)), np.empty(len(here))
     for row in numba.prange(len(here)):
-        count = pointers[row + 1] - pointers[row]
-        near = np.empty(count + 1, np.int64)
-        near[:count] = candidates[pointers[row] : pointers[row + 1]]
-        if count == 0:
-            near[0] = nearest[row]
-            count = 1
+        near = vertices_in_ball(here[row], reach, vertices, cells)
+        if len(near) == 0:
+            near = nearest[row : row + 1]
+        count = len(near)
         score, offset = np.empty(count), np.empty((count, 3))
         up = normals[nearest[row]]
         best, alike = -np.inf, -np.inf

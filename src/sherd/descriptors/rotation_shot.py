@@ -26,7 +26,8 @@ import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
-from sherd.descriptors.shot_kernel import AZIMUTHS, BINS, sorted_into_cells, vote
+from sherd.descriptors.shot_kernel import AZIMUTHS, BINS, vote
+from sherd.mesh.vertex_cells import sorted_into_cells
 
 __all__ = [
     "mirrored_spectra",

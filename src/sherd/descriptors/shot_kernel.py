@@ -8,12 +8,13 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from sherd.mesh.vertex_cells import sorted_into_cells
+
 __all__ = [
     "AZIMUTHS",
     "BINS",
     "neighborhood_moments",
     "shot_histograms",
-    "sorted_into_cells",
     "vote",
 ]
 
@@ -27,6 +28,9 @@ ELEVATIONS = 2
 SHELLS = 2
 COSINES = 11
 BINS = ELEVATIONS * SHELLS * COSINES
+# Enough votes to fill the 352 bins several times over. A ball holds more only where a surface is
+# crumpled or many times as dense as answers need, and then the time would grow with the square.
+MOST_VOTES = 2000
 
 
 def shot_histograms(
@@ -97,19 +101,6 @@ def neighborhood_moments(
     return covariance, mean
 
 
-def sorted_into_cells(vertices: Floats, reach: float) -> tuple[Ints, Ints, Floats, float, Ints]:
-    """Sort the vertices into cubes at least `reach` wide, at most 64 along each axis."""
-    origin = vertices.min(axis=0)
-    extent = float((vertices.max(axis=0) - origin).max())
-    size = max(reach, extent / 64.0)
-    place = np.floor((vertices - origin) / size).astype(np.int64)
-    shape = place.max(axis=0) + 1
-    flat = (place[:, 0] * shape[1] + place[:, 1]) * shape[2] + place[:, 2]
-    order = np.argsort(flat, kind="stable")
-    starts = np.searchsorted(flat[order], np.arange(int(shape.prod()) + 1))
-    return order, starts, origin, size, shape
-
-
 @numba.njit(cache=True, parallel=True)
 def _vote_all(vertices, normals, weights, queries, x_axes, z_axes, radii, cells, histograms):  # type: ignore[no-untyped-def]  # noqa: PLR0913
     for row in numba.prange(len(queries)):
@@ -135,6 +126,8 @@ def vote(vertices, normals, weights, query, frame, radii, cells, histogram):  # 
     cj = math.floor((py - origin[1]) / size)
     ck = math.floor((pz - origin[2]) / size)
     k_low, k_high = max(ck - 1, 0), min(ck + 2, shape[2])
+    stride = _stride(vertices, query, cells, reach)
+    number = 0
     for i in range(max(ci - 1, 0), min(ci + 2, shape[0])):
         for j in range(max(cj - 1, 0), min(cj + 2, shape[1])):
             first = (i * shape[1] + j) * shape[2]
@@ -151,6 +144,9 @@ def vote(vertices, normals, weights, query, frame, radii, cells, histogram):  # 
                 distance = math.sqrt(dx * dx + dy * dy + dz * dz)
                 if distance >= reach or distance == 0.0:
                     continue
+                number += 1
+                if number % stride != 0:
+                    continue
                 cosine = normals[other, 0] * z0 + normals[other, 1] * z1 + normals[other, 2] * z2
                 along, across = dx * x0 + dy * x1 + dz * x2, dx * y0 + dy * y1 + dz * y2
                 height = (dx * z0 + dy * z1 + dz * z2) / distance
@@ -161,6 +157,34 @@ def vote(vertices, normals, weights, query, frame, radii, cells, histogram):  # 
                             histogram, k, weight,
                             azimuth, height, distance / radii[k], cosine,
                         )  # fmt: skip
+
+
+@numba.njit(cache=True)
+def _stride(vertices, query, cells, reach):  # type: ignore[no-untyped-def]
+    """Of how many neighbors in its ball one votes: 1, unless there are more than MOST_VOTES."""
+    order, starts, origin, size, shape = cells
+    px, py, pz = vertices[query, 0], vertices[query, 1], vertices[query, 2]
+    ci = math.floor((px - origin[0]) / size)
+    cj = math.floor((py - origin[1]) / size)
+    ck = math.floor((pz - origin[2]) / size)
+    k_low, k_high = max(ck - 1, 0), min(ck + 2, shape[2])
+    around = 0
+    for i in range(max(ci - 1, 0), min(ci + 2, shape[0])):
+        for j in range(max(cj - 1, 0), min(cj + 2, shape[1])):
+            first = (i * shape[1] + j) * shape[2]
+            around += starts[first + k_high] - starts[first + k_low]
+    if around <= 3 * MOST_VOTES:  # a ball is a seventh of the cubes around it
+        return 1
+    inside = 0
+    for i in range(max(ci - 1, 0), min(ci + 2, shape[0])):
+        for j in range(max(cj - 1, 0), min(cj + 2, shape[1])):
+            first = (i * shape[1] + j) * shape[2]
+            for entry in range(starts[first + k_low], starts[first + k_high]):
+                other = order[entry]
+                dx, dy = vertices[other, 0] - px, vertices[other, 1] - py
+                dz = vertices[other, 2] - pz
+                inside += dx * dx + dy * dy + dz * dz < reach * reach
+    return 1 + inside // MOST_VOTES
 
 
 @numba.njit(cache=True, inline="always")
