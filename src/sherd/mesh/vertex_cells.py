@@ -23,8 +23,8 @@ def sorted_into_cells(vertices: Floats, reach: float) -> tuple[Ints, Ints, Float
     Returns
     -------
     order, starts, origin, size, shape
-        Cube (i, j, k) begins at `origin + size (i, j, k)`; it holds `order[starts[c]:starts[c + 1]]`
-        with `c = (i shape[1] + j) shape[2] + k`.
+        Cube (i, j, k) begins at `origin + size (i, j, k)` and has the index
+        `c = (i shape[1] + j) shape[2] + k`; its vertices are `order[starts[c]:starts[c + 1]]`.
     """
     origin = vertices.min(axis=0)
     extent = float((vertices.max(axis=0) - origin).max())
