@@ -89,6 +89,20 @@ def test_clutter_is_unmatched_and_the_rest_is_not(template: Template) -> None:
     assert errors(part, result.point_map.points)[part.present].mean() < 0.02
 
 
+# Shapes with fewer vertices than a labeling has proposals, and far longer than wide.
+BARE = {
+    "triangle": ([[0, 0, 0], [2, 0, 0], [0, 2, 0.0]], [[0, 1, 2]]),
+    "hair": ([[0, 0, 0], [1e4, 0, 0], [0, 4e-4, 0.0]], [[0, 1, 2]]),
+}
+
+
+@pytest.mark.parametrize("name", list(BARE))
+def test_bare_faces_are_answered(name) -> None:
+    ball = trimesh.creation.icosphere(1)
+    full, part = TriangleMesh(*BARE[name]), TriangleMesh(0.1 * ball.vertices, ball.faces)
+    assert np.isfinite(match(full, part).region.membership).all()
+
+
 def damaged(rng: np.random.Generator) -> TriangleMesh:
     """A bumpy ball of which at random faces are lost, doubled, turned, torn off or made flat."""
     ball = trimesh.creation.icosphere(int(rng.integers(0, 4)))
