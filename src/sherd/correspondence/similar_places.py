@@ -23,6 +23,9 @@ Ints = NDArray[np.int64]
 SOFTNESS = 0.02
 # A target that is spread wider than a vertex spacing is a weak one.
 SPREAD = 0.012
+# A ball of the usual density holds a hundred vertices; crumpled pages may fill one with thousands, of
+# which every other or every tenth will do.
+MOST_PLACES = 1000
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,6 +84,7 @@ def _most_alike(here, nearest, cells, surface, spectra, reach):  # type: ignore[
         near = vertices_in_ball(here[row], reach, vertices, cells)
         if len(near) == 0:
             near = nearest[row : row + 1]
+        near = near[:: 1 + len(near) // MOST_PLACES]
         count = len(near)
         score, offset = np.empty(count), np.empty((count, 3))
         up = normals[nearest[row]]
