@@ -23,8 +23,8 @@ Ints = NDArray[np.int64]
 SOFTNESS = 0.02
 # A target that is spread wider than a vertex spacing is a weak one.
 SPREAD = 0.012
-# A ball of the usual density holds a hundred vertices. Crumpled pages may fill one with thousands, of
-# which every tenth will do.
+# A ball of the usual density holds a hundred vertices. Crumpled pages may fill one with thousands;
+# every tenth will do.
 MOST_PLACES = 1000
 
 
