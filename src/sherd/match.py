@@ -17,6 +17,7 @@ from sherd.correspondence.confidence import (
     confidence_features,
     confidences,
     foreign_vertices,
+    laid_double,
     matched_vertices,
 )
 from sherd.correspondence.correspond import Twin, anchored, looked_again, mirrored_twin
@@ -52,6 +53,8 @@ LARGEST_PART = 1.3
 PLAUSIBLE = 0.1
 # When answers are promised to be near for fewer than half of the vertices, another shape would do.
 POOR = 0.5
+# No place can be used twice; up to this share of the part it may be noise.
+DOUBLE = 0.2
 
 
 class MatchStatus(Enum):
@@ -298,7 +301,7 @@ def match(
         scores=MappingProxyType(
             {"best": best.score, "other": other.score, "mirrored twin": twin.hypothesis.score}
         ),
-        status=_status(point_map),
+        status=_status(point_map, laid_double(data, best.placement)),
         timings=MappingProxyType(dict(stages.seconds)),
         options=options,
         working_vertices=MappingProxyType(
@@ -307,9 +310,9 @@ def match(
     )
 
 
-def _status(point_map: PointMap) -> MatchStatus:
+def _status(point_map: PointMap, double: float) -> MatchStatus:
     sure = float(point_map.confidence[point_map.matched].mean()) if point_map.matched.any() else 0.0
-    return MatchStatus.GOOD if sure > POOR else MatchStatus.DOUBTFUL
+    return MatchStatus.GOOD if sure > POOR and double < DOUBLE else MatchStatus.DOUBTFUL
 
 
 def _without_ignored(

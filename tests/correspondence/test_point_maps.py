@@ -4,10 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import trimesh
 
-from sherd.correspondence.confidence import COEFFICIENTS, FEATURES, confidences
+from sherd.correspondence.confidence import COEFFICIENTS, FEATURES, confidences, laid_double
+from sherd.correspondence.part_data import part_data
 from sherd.correspondence.point_map import PointMap
+from sherd.correspondence.registration import Placement
 from sherd.errors import InvalidMeshError
+from sherd.mesh.triangle_mesh import TriangleMesh
 
 HALF = np.array([[0.5, 0.5, 0.0], [0.0, 0.0, 1.0]])
 
@@ -41,3 +45,21 @@ def test_confidence_falls_with_every_sign_of_trouble() -> None:
         worse = calm.copy()
         worse[0, column] = 0.2
         assert confidences(worse)[0] <= confidences(calm)[0]
+
+
+def test_two_pieces_on_one_place_are_laid_double() -> None:
+    ball = trimesh.creation.icosphere(subdivisions=3, radius=0.2)
+    count = len(ball.vertices)
+    pieces = TriangleMesh(
+        np.concatenate([ball.vertices, ball.vertices + np.array([1.0, 0.0, 0.0])]),
+        np.concatenate([ball.faces, ball.faces + count]),
+    )
+    part = part_data(pieces, 1.0)
+    turns = np.tile(np.eye(3), (part.mesh.vertex_count, 1, 1))
+    apart = part.mesh.vertices
+    second = part.mesh.component_labels == 1
+    together = apart.copy()
+    centers = [apart[second == which].mean(axis=0) for which in (False, True)]
+    together[second] += centers[0] - centers[1]
+    assert laid_double(part, Placement(apart, turns)) == 0.0
+    assert laid_double(part, Placement(together, turns)) == 1.0

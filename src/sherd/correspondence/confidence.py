@@ -8,6 +8,8 @@ from scipy.spatial import cKDTree
 
 from sherd.correspondence.hypothesis import Hypothesis, Queries
 from sherd.correspondence.part_data import PartData
+from sherd.correspondence.registration import Placement
+from sherd.mesh.geometry import vertex_normals
 
 __all__ = [
     "FEATURES",
@@ -15,6 +17,7 @@ __all__ = [
     "confidence_features",
     "confidences",
     "foreign_vertices",
+    "laid_double",
     "matched_vertices",
 ]
 
@@ -31,6 +34,9 @@ UNLIKE, TORN = 0.5, 0.6
 # Balls of 2 to 10 % of the part's area that belong nowhere had 0.25 to 0.36 of the largest
 # component's score, slices of the animal 0.86 and more, however they were placed.
 FOREIGN = 0.55
+# Points of the part farther apart than two of the largest neighborhoods are wide, which come to lie
+# within the size of a label's cell: a right placement has none.
+APART, TOGETHER = 0.2, 0.02
 
 
 def confidence_features(
@@ -95,3 +101,20 @@ def foreign_vertices(part: PartData, queries: Queries, best: Hypothesis) -> NDAr
         labels if own is None else labels[own.nearest_vertices(part.mesh)]
     ]
     return result
+
+
+def laid_double(part: PartData, placement: Placement) -> float:
+    """Share of the part's nodes that lie where another point of the part lies, from 0 to 1.
+
+    Two legs laid on one leg have similar neighborhoods and no strain; only this tells. The other
+    side of a thin sheet looks the other way and does not count.
+    """
+    positions = placement.positions
+    normals = vertex_normals(positions, part.mesh.faces)
+    found = cKDTree(positions).query_ball_point(positions[part.nodes], TOGETHER)
+    double = 0
+    for node, row in enumerate(found):
+        near = np.asarray(row, dtype=np.int64)
+        same_side = normals[near] @ normals[part.nodes[node]] > 0.5
+        double += bool((same_side & (part.node_distances[node, near] > APART)).any())
+    return double / len(part.nodes)
