@@ -24,7 +24,7 @@ from sherd.correspondence.correspond import Twin, anchored, looked_again, mirror
 from sherd.correspondence.hypothesis import Hypothesis, part_queries, settled
 from sherd.correspondence.part_data import part_data
 from sherd.correspondence.point_map import PointMap
-from sherd.correspondence.scale import LARGEST, estimated_scale
+from sherd.correspondence.scale import LARGEST, LARGEST_AREA, estimated_scale
 from sherd.errors import InfeasibleError, OptionError
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
@@ -47,8 +47,6 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
 
-# A part may be larger than the full shape by stretch and noise, not by more.
-LARGEST_PART = 1.3
 # A twin whose score is this close to the best could be the right one without its handedness.
 PLAUSIBLE = 0.1
 # When answers are promised to be near for fewer than half of the vertices, another shape would do.
@@ -320,7 +318,7 @@ def _without_ignored(
 ) -> tuple[TriangleMesh, Ints]:
     """The part without faces at ignored vertices, and the old index of each vertex."""
     _check_hints(template.full, part, options)
-    largest = LARGEST_PART * (LARGEST**2 if options.scale == "unknown" else 1.0)
+    largest = LARGEST_AREA * (LARGEST**2 if options.scale == "unknown" else 1.0)
     if part.area > largest * template.full.area:
         raise InfeasibleError(
             f"{part.name} has area {part.area:.4g}, but {template.full.name} only "

@@ -11,7 +11,7 @@ from sherd.correspondence.part_data import PartData, part_spectra, rescaled, tru
 from sherd.descriptors.rotation_shot import pooled_similarity
 from sherd.template import Template
 
-__all__ = ["LARGEST", "estimated_scale", "length_ratio"]
+__all__ = ["LARGEST", "LARGEST_AREA", "estimated_scale", "length_ratio"]
 
 Floats = NDArray[np.float64]
 
@@ -19,6 +19,8 @@ Floats = NDArray[np.float64]
 # large is still recognized.
 LARGEST = 2.0
 GRID = 7
+# A part is not larger than the whole, but the skin may stretch.
+LARGEST_AREA = 1.3
 # Lengths below this are dominated by the spacing of labels, above it by the cut.
 SHORTEST, LONGEST = 0.08, 0.5
 REFINEMENTS = 2
@@ -27,17 +29,20 @@ REFINEMENTS = 2
 def estimated_scale(template: Template, part: PartData, rng: np.random.Generator) -> float:
     """The factor in [1/2, 2] by which `part` must be enlarged.
 
-    The part is labeled at each factor of a grid; the factor whose labeling keeps the most
-    similarity and the most even ratio of lengths wins, and is then corrected by that ratio.
+    The part is labeled at each factor of a grid, as far as it does not become larger than the full
+    shape; the factor whose labeling keeps the most similarity and the most even ratio of lengths
+    wins, and is then corrected by that ratio.
     """
+    largest = min(LARGEST, float(np.sqrt(LARGEST_AREA * template.unit.area / part.mesh.area)))
     factors = np.geomspace(1 / LARGEST, LARGEST, GRID)
+    factors = factors[: max(1, int((factors <= largest).sum()))]
     trials = [_trial(template, part, float(factor), rng) for factor in factors]
     best = int(np.argmax([score for score, _ in trials]))
     factor = float(factors[best]) * trials[best][1]
     for _ in range(REFINEMENTS):
-        factor = float(np.clip(factor, 1 / LARGEST, LARGEST))
+        factor = float(np.clip(factor, 1 / LARGEST, largest))
         factor *= _trial(template, part, factor, rng)[1]
-    return float(np.clip(factor, 1 / LARGEST, LARGEST))
+    return float(np.clip(factor, 1 / LARGEST, largest))
 
 
 def length_ratio(problem: Problem, labeling: Labeling) -> tuple[float, float]:
