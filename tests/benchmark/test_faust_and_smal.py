@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shutil
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -198,23 +199,19 @@ def test_only_vertices_with_a_place_count_as_errors(animals, monkeypatch) -> Non
     (source,) = smal_pairs(home)
     pair = source.load()
 
-    class Answer:
-        class point_map:  # noqa: N801
-            points = pair.truth
-            matched = pair.present
-            confidence = np.where(pair.present, 0.9, 0.1)
-
-        class region:  # noqa: N801
-            mask = np.isin(np.arange(pair.full.vertex_count), table)
-
-        class status:  # noqa: N801
-            name = "GOOD"
-
-        scale = 1.0
-        scores = {"best": 0.8, "mirrored twin": 0.2}  # noqa: RUF012
-        timings = {"anchors": 1.0}  # noqa: RUF012
-
-    monkeypatch.setattr(match_row, "match", lambda *_: Answer)
+    answer = SimpleNamespace(
+        point_map=SimpleNamespace(
+            points=pair.truth,
+            matched=pair.present,
+            confidence=np.where(pair.present, 0.9, 0.1),
+        ),
+        region=SimpleNamespace(mask=np.isin(np.arange(pair.full.vertex_count), table)),
+        status=SimpleNamespace(name="GOOD"),
+        scale=1.0,
+        scores={"best": 0.8, "mirrored twin": 0.2},
+        timings={"anchors": 1.0},
+    )
+    monkeypatch.setattr(match_row, "match", lambda *_: answer)
     row = measured(source, BenchmarkSettings())
     assert (row.mean, row.near, row.coverage, row.recognized, row.ranking) == (0, 1, 1, 1, 1)
     assert row.present == pair.present.mean()
@@ -223,7 +220,7 @@ def test_only_vertices_with_a_place_count_as_errors(animals, monkeypatch) -> Non
     counts = np.array(row.confidence)
     assert counts[9].tolist() == [pair.present.sum(), pytest.approx(0.9), 1.0]
     assert counts[1].tolist() == [(~pair.present).sum(), pytest.approx(0.1), 0.0]
-    Answer.point_map.confidence = 1 - Answer.point_map.confidence
+    answer.point_map.confidence = 1 - answer.point_map.confidence
     assert measured(source, BenchmarkSettings()).ranking == 0
 
 
