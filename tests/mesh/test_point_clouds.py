@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import trimesh
+from scipy.spatial import Delaunay
 
 from sherd.errors import InputError, InvalidMeshError, MeshFileError
 from sherd.mesh.cloud_files import read_part
@@ -12,6 +13,7 @@ from sherd.mesh.encode import encoded
 from sherd.mesh.files import read_mesh
 from sherd.mesh.point_cloud import PointCloud, surface_of
 from sherd.mesh.triangle_mesh import TriangleMesh
+from sherd.mesh.umbrella_kernel import umbrellas
 
 POINTS = np.random.default_rng(0).normal(size=(7, 3)).round(3)
 
@@ -121,3 +123,24 @@ def test_points_without_a_surface_are_refused():
             surface_of(PointCloud(points))
     with pytest.raises(InvalidMeshError, match=r"normals\[2\]"):
         PointCloud(POINTS, np.where(np.arange(7)[:, None] == 2, 0.0, POINTS))
+
+
+def test_a_perfect_grid_becomes_a_whole_sheet():
+    """Both diagonals of each square are Delaunay; all corners must take the same."""
+    rows, columns = np.divmod(np.arange(30 * 20), 20)
+    mesh = surface_of(PointCloud(np.stack([rows, columns, np.zeros(600)], axis=1)))
+    assert mesh.face_count == 2 * 29 * 19
+    assert mesh.area == pytest.approx(29 * 19)
+
+
+@pytest.mark.parametrize("share", [1.0, 0.5], ids=["around", "half around"])
+def test_umbrellas_are_the_delaunay_triangles_at_a_point(share):
+    rng = np.random.default_rng(1)
+    around = 2 * np.pi * share * rng.random((200, 18))
+    length = rng.uniform(0.1, 1.0, (200, 18))
+    offsets = np.stack([length * np.cos(around), length * np.sin(around)], axis=2)
+    pairs = umbrellas(offsets, np.zeros((200, 18)), np.full(200, 9.0))
+    for places, found in zip(offsets, pairs, strict=True):
+        simplices = Delaunay(np.concatenate([places, [[0.0, 0.0]]])).simplices
+        wanted = {tuple(sorted(row)) for row in simplices.tolist() if 18 in row}
+        assert {(*sorted(pair), 18) for pair in found[found[:, 0] >= 0].tolist()} == wanted

@@ -1,4 +1,4 @@
-"""Anchors: the labeling found in rounds, its proposals, and growth from the consistent core."""
+"""Anchors: the labeling found in rounds, its proposals, and growth from nodes to be trusted."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from scipy.sparse import csgraph
 from sherd.correspondence.guided import best_placed, guided_turns
 from sherd.correspondence.labeling import (
     ANGLE_SIGMA,
+    CUT_TRUST,
     LENGTH_SIGMA,
     LIMIT,
     SIMILARITY_LIMIT,
@@ -59,16 +60,28 @@ def find_anchors(
             [best.rotations[:, None], proposed_turns, _at(turn, from_near), _at(turn, half)], axis=1
         )
         best = solve(problem, labels, rotations, step=step)
-    other = grown(problem, best, step=step)
-    return other if other.energy < best.energy else best
+    best = _better(best, grown(problem, best, _core(problem, best), step=step))
+    return _better(best, grown(problem, best, _far_from_cut(problem), step=step))
 
 
-def grown(problem: Problem, labeling: Labeling, *, step: float = SIMILARITY_STEP) -> Labeling:
-    """Keep the largest consistent component, regrow the rest outward from it, relabel locally."""
-    labels, rotations = labeling.labels.copy(), labeling.rotations.copy()
-    accepted = _core(problem, labels, rotations)
-    if accepted.sum() > GROWN_ENOUGH * len(labels):
+def _better(first: Labeling, second: Labeling) -> Labeling:
+    return second if second.energy < first.energy else first
+
+
+def grown(
+    problem: Problem,
+    labeling: Labeling,
+    kept: NDArray[np.bool_],
+    *,
+    step: float = SIMILARITY_STEP,
+) -> Labeling:
+    """Keep the labels of the nodes `kept` (k,), grow the rest outward from them, relabel locally.
+
+    Returns `labeling` itself if nothing or nearly everything is kept.
+    """
+    if not kept.any() or kept.sum() > GROWN_ENOUGH * len(kept):
         return labeling
+    labels, rotations, accepted = labeling.labels.copy(), labeling.rotations.copy(), kept.copy()
     between = problem.part.between
     while not accepted.all():
         inside = np.flatnonzero(accepted)
@@ -136,8 +149,20 @@ def _proposals(problem: Problem, labeling: Labeling) -> tuple[Ints, Floats]:
     return labels, rotations
 
 
-def _core(problem: Problem, labels: Ints, rotations: Floats) -> NDArray[np.bool_]:
+def _far_from_cut(problem: Problem) -> NDArray[np.bool_]:
+    """Nodes whose neighborhoods the cut leaves whole, up to the middle radius.
+
+    A shred along the cut looks like no place on the full shape and bends in its own plane at little
+    cost, so it may lie folded aside, consistent with itself and with its stump. Grown from inside,
+    it follows the directions of geodesics instead.
+    """
+    far: NDArray[np.bool_] = problem.part.cut_distance[problem.part.nodes] >= CUT_TRUST
+    return far
+
+
+def _core(problem: Problem, labeling: Labeling) -> NDArray[np.bool_]:
     """Nodes of the largest component of mutually consistent nodes."""
+    labels, rotations = labeling.labels, labeling.rotations
     template, between = problem.template, problem.part.between
     distance = template.label_to_label[np.ix_(labels, labels)]
     turn = (
