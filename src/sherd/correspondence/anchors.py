@@ -36,6 +36,8 @@ ROUNDS = 3
 CORE_SHARE = 0.5
 CORE_REACH = 0.2
 SIGMAS = (LENGTH_SIGMA, STRETCH_SIGMA, ANGLE_SIGMA, LIMIT)
+# Two labels this far apart, the largest neighborhood, are different places.
+ELSEWHERE = 0.1
 # If nearly all nodes are core there is nothing to grow.
 GROWN_ENOUGH = 0.97
 
@@ -60,12 +62,12 @@ def find_anchors(
             [best.rotations[:, None], proposed_turns, _at(turn, from_near), _at(turn, half)], axis=1
         )
         best = solve(problem, labels, rotations, step=step)
-    best = _better(best, grown(problem, best, _core(problem, best), step=step))
-    return _better(best, grown(problem, best, _far_from_cut(problem), step=step))
-
-
-def _better(first: Labeling, second: Labeling) -> Labeling:
-    return second if second.energy < first.energy else first
+    other = grown(problem, best, _core(problem, best), step=step)
+    best = other if other.energy < best.energy else best
+    other = grown(problem, best, _far_from_cut(problem), step=step)
+    # Relabeling alone lowers the energy, but rather lets labels slide than finds better ones.
+    moved = problem.template.label_to_label[best.labels, other.labels].max()
+    return other if other.energy < best.energy and moved > ELSEWHERE else best
 
 
 def grown(
