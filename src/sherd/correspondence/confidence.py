@@ -31,9 +31,10 @@ COEFFICIENTS = (8.2, -6.3, -1.1, -46.0, -7.7, -9.3)
 LEAST, MOST = 0.005, 0.995
 # A vertex is unmatched if neighborhoods disagree this much and the skin tears besides.
 UNLIKE, TORN = 0.5, 0.6
-# Balls of 2 to 10 % of the part's area that belong nowhere had 0.25 to 0.36 of the largest
-# component's score, slices of the animal 0.86 and more, however they were placed.
-FOREIGN = 0.55
+# Of the largest component's similarity minus half its strain, balls of 1 to 12 % of the part's area
+# that belong nowhere had at most 0.62 (24 parts of four animals), slices of those animals with 1 %
+# of the area and more at least 0.70, however strained. Counting strain in full mixes them.
+FOREIGN = 0.65
 # Points of the part farther apart than two of the largest neighborhoods are wide, which come to lie
 # within the size of a label's cell: a right placement has none.
 APART, TOGETHER = 0.2, 0.02
@@ -84,8 +85,8 @@ def foreign_vertices(part: PartData, queries: Queries, best: Hypothesis) -> NDAr
     """The vertices (n',) of the part itself whose component fits nowhere: clutter.
 
     All components are placed together, so one that has no place is laid somewhere all the same,
-    unlike its surroundings and strained. A component is judged by its own similarity minus
-    strain, against the largest one; a component that asked nothing is not judged.
+    unlike its surroundings and strained. A component is judged by its own similarity minus half
+    its strain, against the largest one; a component that asked nothing is not judged.
     """
     labels = part.mesh.component_labels
     count = int(labels.max()) + 1
@@ -94,7 +95,7 @@ def foreign_vertices(part: PartData, queries: Queries, best: Hypothesis) -> NDAr
     areas = part.mesh.vertex_areas
     strain = np.bincount(labels, areas * np.minimum(best.strain, 1.0), count)
     total = np.bincount(labels, areas, count)
-    score = similarity / np.maximum(asked, 1) - strain / np.maximum(total, 1e-300)
+    score = similarity / np.maximum(asked, 1) - 0.5 * strain / np.maximum(total, 1e-300)
     foreign = (asked > 0) & (score < FOREIGN * score[total.argmax()])
     own = part.own_vertices
     result: NDArray[np.bool_] = foreign[

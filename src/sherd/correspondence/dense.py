@@ -38,6 +38,8 @@ def trilaterated(template: Template, part: PartData, labeling: Labeling) -> Ints
     if reliable.sum() < 2 * ANCHORS:
         reliable[:] = True
     distances = np.where(reliable[:, None], part.node_distances, np.inf)
+    alone = ~np.isfinite(distances).any(axis=0)  # on a component without any reliable node
+    distances[:, alone] = part.node_distances[:, alone]
     count = min(ANCHORS, len(distances))
     near = np.argsort(distances, axis=0, kind="stable")[:count].T
     length = np.take_along_axis(distances, near.T, axis=0).T

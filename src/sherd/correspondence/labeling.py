@@ -180,17 +180,22 @@ def _edges(part: PartData, rng: np.random.Generator) -> Ints:
 
 
 def _bridges(part: PartData) -> NDArray[np.bool_]:
-    """Pairs (k, k) of nodes in different components: the nearest, and some of all distances."""
+    """Pairs (k, k) of nodes in different components: the nearest, and some of all distances.
+
+    Nodes of crumbs, which have few neighbors in their own component, take more of the nearest.
+    """
     tied = ~np.isfinite(part.between)
     places = part.mesh.vertices[part.nodes]
     for node in np.flatnonzero(tied.any(axis=1)):
         others = np.flatnonzero(tied[node])
         straight = np.linalg.norm(places[others] - places[node], axis=1)
         order = others[np.argsort(straight, kind="stable")]
-        rest = order[BRIDGES_NEAR:]
+        own = len(places) - len(others) - 1
+        near = BRIDGES_NEAR + max(NEAR_NEIGHBORS - own, 0)
+        rest = order[near:]
         far = rest[np.linspace(0, len(rest) - 1, min(BRIDGES_FAR, len(rest))).astype(int)]
         tied[node] = False
-        tied[node, order[:BRIDGES_NEAR]] = True
+        tied[node, order[:near]] = True
         tied[node, far] = True
     return tied
 

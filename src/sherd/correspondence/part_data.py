@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
+from sherd.correspondence.elastic_surface import ElasticSurface, elastic_surface
 from sherd.descriptors.rotation_shot import rotation_spectra, weighted_spectra
 from sherd.descriptors.tangent_frames import geodesic_directions, smoothed_normals, tangent_axes
 from sherd.mesh.surface_points import SurfacePoints, closest_points
@@ -86,6 +88,11 @@ class PartData:
     reference: Floats
     pin_vertices: Ints
     pin_positions: Floats
+
+    @cached_property
+    def elastic(self) -> ElasticSurface:
+        """The working mesh as an elastic surface."""
+        return elastic_surface(self.mesh)
 
 
 def part_data(

@@ -14,12 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sherd.correspondence.elastic import fit_rotations, relax_positions, softened, strains
+from sherd.correspondence.elastic_surface import ElasticSurface
 from sherd.correspondence.part_data import PartData
 from sherd.correspondence.similar_places import Look, similar_places
 from sherd.mesh.geometry import vertex_normals
 from sherd.mesh.surface_finder import SurfaceFinder
 from sherd.mesh.surface_points import SurfacePoints
-from sherd.spectral.operators import stiffness
 from sherd.template import Template
 
 __all__ = [
@@ -67,25 +67,6 @@ class Placement:
     rotations: Floats
 
 
-@dataclass(frozen=True, eq=False)
-class _Elastic:
-    pointers: Ints
-    neighbors: Ints
-    weights: Floats
-    rest: Floats
-
-
-def elastic_surface(part: PartData) -> _Elastic:
-    """The part's edges with cotangent weights, not below a small share of the usual ones."""
-    weak = stiffness(part.mesh.vertices, part.mesh.faces).tocsr()
-    weak.setdiag(0.0)
-    weak.eliminate_zeros()
-    weights = np.clip(-weak.data, 0.05, 5.0)  # an equilateral triangle has 0.58
-    return _Elastic(
-        weak.indptr.astype(np.int64), weak.indices.astype(np.int64), weights, part.mesh.vertices
-    )
-
-
 def pulled_together(
     template: Template, part: PartData, places: Ints, *, rounds: int = 12
 ) -> Placement:
@@ -93,7 +74,7 @@ def pulled_together(
 
     Places that remain far from the surface of their neighbors lose their weight.
     """
-    elastic = elastic_surface(part)
+    elastic = part.elastic
     targets = template.unit.vertices[places]
     start = Placement(targets.copy(), np.tile(np.eye(3), (len(targets), 1, 1)))
     placement = _fitted(elastic, start)
@@ -123,7 +104,7 @@ def laid_on(
     times find the closest points of the surface and relax.
     """
     queries = look.vertices
-    elastic = elastic_surface(part)
+    elastic = part.elastic
     count = part.mesh.vertex_count
     areas = np.maximum(part.mesh.vertex_areas, 1e-9)
     density = count / len(queries)
@@ -167,7 +148,7 @@ def _pinned(part: PartData, data: Floats, pull: Floats) -> tuple[Floats, Floats]
     return data, pull
 
 
-def _fitted(elastic: _Elastic, placement: Placement) -> Placement:
+def _fitted(elastic: ElasticSurface, placement: Placement) -> Placement:
     rotations = np.empty_like(placement.rotations)
     fit_rotations(
         elastic.pointers, elastic.neighbors, elastic.weights, elastic.rest,
@@ -176,7 +157,9 @@ def _fitted(elastic: _Elastic, placement: Placement) -> Placement:
     return replace(placement, rotations=rotations)
 
 
-def _relaxed(elastic: _Elastic, placement: Placement, data: Floats, pull: Floats) -> Placement:
+def _relaxed(
+    elastic: ElasticSurface, placement: Placement, data: Floats, pull: Floats
+) -> Placement:
     """One alternation: positions for the rotations, then rotations for the positions."""
     strain = strains(
         elastic.pointers, elastic.neighbors, elastic.weights, elastic.rest,
@@ -192,7 +175,7 @@ def _relaxed(elastic: _Elastic, placement: Placement, data: Floats, pull: Floats
 
 def elastic_strain(part: PartData, placement: Placement) -> Floats:
     """Relative strain (n',) at each vertex: 0 where the part moved rigidly, 0.1 is ten percent."""
-    elastic = elastic_surface(part)
+    elastic = part.elastic
     result: Floats = strains(
         elastic.pointers, elastic.neighbors, elastic.weights, elastic.rest,
         placement.positions, placement.rotations,
