@@ -23,9 +23,9 @@ Ints = NDArray[np.int64]
 SOFTNESS = 0.02
 # A target that is spread wider than a vertex spacing is a weak one.
 SPREAD = 0.012
-# A ball of the usual density holds a hundred vertices. Crumpled pages may fill one with thousands;
-# every tenth will do.
-MOST_PLACES = 1000
+# The largest ball on two sheets of 20,000 vertices holds 300. Crumpled pages may fill one with
+# thousands; every tenth will do.
+MOST_PLACES = 400
 
 
 @dataclass(frozen=True, eq=False)

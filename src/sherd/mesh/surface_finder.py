@@ -21,6 +21,8 @@ NEAR_FACES = 12
 # Samples per vertex area, each shared by three vertices: a vertex sees a dozen.
 SAMPLES = 4
 MOST_DIVISIONS = 16
+# No part is larger than this times the full shape.
+LARGEST = 1.5
 
 
 class SurfaceFinder:
@@ -69,7 +71,8 @@ class SurfaceFinder:
         cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
         areas = 0.5 * np.linalg.norm(cross, axis=1)
         normals = cross / np.maximum(2 * areas, 1e-300)[:, None]
-        spacing = self.mesh.area / self.mesh.vertex_count
+        # a part that was torn over the whole space is sampled no more than one of this mesh's size
+        spacing = max(self.mesh.area, areas.sum() / LARGEST) / self.mesh.vertex_count
         divisions = np.clip(np.ceil(np.sqrt(SAMPLES * areas / spacing)), 1, MOST_DIVISIONS)
         covered = np.zeros(self.mesh.vertex_count)
         for division in np.unique(divisions):
