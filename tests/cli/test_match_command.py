@@ -40,18 +40,17 @@ def fragment() -> Fragment:
 
 @pytest.fixture(scope="module")
 def files(fragment, tmp_path_factory) -> tuple[Path, Path]:
-    """The full shape with a doubled face in front, so that repair renumbers its faces."""
+    """The full shape inside out, with a doubled face in front: repair turns and renumbers faces."""
     folder = tmp_path_factory.mktemp("files")
     full = fragment.full
-    doubled = TriangleMesh(
-        full.vertices, np.concatenate([full.faces[:1], full.faces]), fields=full.fields
-    )
-    write_mesh(doubled, folder / "full.ply")
+    faces = full.faces[:, ::-1]
+    spoiled = TriangleMesh(full.vertices, np.concatenate([faces[:1], faces]), fields=full.fields)
+    write_mesh(spoiled, folder / "full.ply")
     write_mesh(fragment.mesh, folder / "part.ply")
     truth = fragment.truth
     (folder / "truth.baryc_gt").write_text(
         "\n".join(
-            f"{face + 2} {' '.join(f'{w:.12g}' for w in weights)}"
+            f"{face + 2} {' '.join(f'{w:.12g}' for w in weights[::-1])}"
             for face, weights in zip(truth.faces, truth.barycentric, strict=True)
         )
     )

@@ -139,6 +139,7 @@ def match_and_write(
             command=command_line(),
             notices={"full": full.notices, "part": part.notices},
             errors=errors,
+            check=found.check(),
             exports=exports,
         )
     return result, document

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sherd.match import Alternative, MatchResult
+from sherd.match import Alternative, MatchCheck, MatchResult
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.output import ResultFolder
 from sherd.report.colors import correspondence_layer, part_layer
@@ -45,6 +45,7 @@ def write_match_report(
     command: str = "",
     notices: Mapping[str, tuple[str, ...]] | None = None,
     errors: Floats | None = None,
+    check: MatchCheck | None = None,
     exports: tuple[str, ...] = (),
 ) -> dict[str, Any]:
     """Write all files of a match; docs/files.md describes them.
@@ -61,6 +62,8 @@ def write_match_report(
         What was adapted while reading, by "full" and "part".
     errors
         (n_part,) error of each vertex in sqrt(area of the full shape), where the truth is known.
+    check
+        ``result.check()`` on the repaired meshes, where the files' own faces may be turned over.
     exports
         Further files, of :data:`sherd.report.exports.SHAPE_EXPORTS` and ``MAP_EXPORTS``.
 
@@ -76,7 +79,7 @@ def write_match_report(
     OutputError
         If something cannot be written; see :class:`sherd.output.ResultFolder`.
     """
-    document = match_result(result, command=command, notices=notices, errors=errors)
+    document = match_result(result, command=command, notices=notices, errors=errors, check=check)
     exhibit = match_exhibit(result, document, errors=errors)
     colors = exhibit.full_layers[0]
     carried = part_layer(exhibit, colors.name) or colors
@@ -116,6 +119,7 @@ def match_result(
     command: str = "",
     notices: Mapping[str, tuple[str, ...]] | None = None,
     errors: Floats | None = None,
+    check: MatchCheck | None = None,
 ) -> dict[str, Any]:
     """The content of ``result.json`` but for the hashes: plain numbers, strings and lists."""
     said = notices or {}
@@ -137,7 +141,7 @@ def match_result(
             {"name": other.name, "score": other.score, "mirrored": other.mirrored}
             for other in result.alternatives
         ],
-        "check": asdict(result.check()),
+        "check": asdict(check or result.check()),
         "options": asdict(result.options),
         "seed": result.options.seed,
         "working_vertices": dict(result.working_vertices),
