@@ -49,6 +49,19 @@ def test_faces_larger_than_a_tile_are_hidden_by_those_before_them_only():
     assert (found != expected).sum() <= 2  # pixels on an edge, by rounding
 
 
+def test_a_large_face_many_times_over_is_drawn_once():
+    """Half of its tiles are never full, so every copy would be drawn into them."""
+    corners = np.array([[1.0, 1.0, 2.0], [1500.0, 20.0, 1.0], [300.0, 1200.0, 3.0]])
+    copies = 20_000
+    points = np.tile(corners, (copies, 1))
+    faces = np.arange(3 * copies).reshape(-1, 3)
+    once = covered_faces(corners, faces[:1], width=1600, height=1300)
+    start = time.perf_counter()
+    found = covered_faces(points, faces, width=1600, height=1300)
+    assert time.perf_counter() - start < 10  # 60 s when each is drawn
+    np.testing.assert_array_equal(found >= 0, once >= 0)
+
+
 def test_orientation_decides_what_is_inside():
     points = np.array([[0, 0, 0], [0, 9, 0], [9, 0, 0]], dtype=float)  # counterclockwise on screen
     normals = np.tile([0.0, 0.0, 1.0], (3, 1))

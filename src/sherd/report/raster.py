@@ -27,7 +27,8 @@ def covered_faces(points: Floats, faces: Ints, *, width: int, height: int) -> ND
     width, height
         Of the image in pixels.
     """
-    nearest: NDArray[np.int32] = _nearest_faces(points, faces, width, height)
+    drawn = _drawn_once(points, faces)
+    nearest: NDArray[np.int32] = _nearest_faces(points, faces, drawn, width, height)
     return nearest
 
 
@@ -62,15 +63,41 @@ def shaded_image(
         For faces that do not agree on what is outside: no side is drawn as the inside.
     """
     fine = points * np.array([samples, samples, 1.0])
-    nearest = _nearest_faces(fine, faces, width * samples, height * samples)
+    drawn = _drawn_once(fine, faces)
+    nearest = _nearest_faces(fine, faces, drawn, width * samples, height * samples)
     image: NDArray[np.uint8] = _shade(
         nearest, fine, faces, normals, colors.astype(np.float64), samples, two_sided
     )
     return image
 
 
+def _drawn_once(points: Floats, faces: Ints) -> NDArray[np.bool_]:
+    """(m,) bool, False for large faces that are drawn already; thousands would cost much."""
+    drawn = np.ones(len(faces), dtype=bool)
+    large = np.flatnonzero(_large_faces(points, faces))
+    if len(large):
+        corners = points[faces[large]].reshape(-1, 3)
+        places = np.unique(corners, axis=0, return_inverse=True)[1].reshape(-1, 3)
+        first = np.unique(np.sort(places, axis=1), axis=0, return_index=True)[1]
+        drawn[large] = False
+        drawn[large[first]] = True
+    return drawn
+
+
 @numba.njit(cache=True)
-def _nearest_faces(points, faces, width, height):  # type: ignore[no-untyped-def]
+def _large_faces(points, faces):  # type: ignore[no-untyped-def]
+    """(m,) bool, whether the box around a face is larger than a tile."""
+    large = np.zeros(len(faces), np.bool_)
+    for face in range(len(faces)):
+        a, b, c = points[faces[face, 0]], points[faces[face, 1]], points[faces[face, 2]]
+        wide = max(a[0], b[0], c[0]) - min(a[0], b[0], c[0])
+        high = max(a[1], b[1], c[1]) - min(a[1], b[1], c[1])
+        large[face] = wide * high > TILE * TILE
+    return large
+
+
+@numba.njit(cache=True)
+def _nearest_faces(points, faces, drawn, width, height):  # type: ignore[no-untyped-def]
     depth = np.full((height, width), np.inf)
     nearest = np.full((height, width), -1, dtype=np.int32)
     # farthest depth in each tile: a face behind it cannot be seen there, so that thousands of
@@ -79,7 +106,7 @@ def _nearest_faces(points, faces, width, height):  # type: ignore[no-untyped-def
     for face in range(len(faces)):
         a, b, c = points[faces[face, 0]], points[faces[face, 1]], points[faces[face, 2]]
         area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
-        if area == 0.0:
+        if area == 0.0 or not drawn[face]:
             continue
         left = max(0, int(np.ceil(min(a[0], b[0], c[0]) - 0.5)))
         right = min(width - 1, int(np.floor(max(a[0], b[0], c[0]) - 0.5)))
