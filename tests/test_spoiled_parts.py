@@ -47,6 +47,17 @@ def errors(part: Fragment, answers: SurfacePoints) -> np.ndarray:
     return np.linalg.norm(gap, axis=1) / part.full.length
 
 
+def test_a_shred_along_the_cut_is_not_folded_aside(template: Template) -> None:
+    """The plane splits a leg lengthwise; its half, alone beyond the trunk's cut, can bend aside."""
+    posed = whole(creature(5000, pose="walk"), template.full)
+    normal = np.array([1.0, 0.3, 0.1])
+    place = np.quantile(posed.mesh.vertices @ normal, 0.7) * normal / (normal @ normal)
+    part = moved(largest_piece(cut_by_plane(posed, place, normal)), np.random.default_rng(0))
+    error = errors(part, match(template, part.mesh).point_map.points)
+    assert error.mean() < 0.01
+    assert (error > 0.15).mean() < 0.01
+
+
 def test_pieces_of_one_scan_find_their_own_limbs(template: Template) -> None:
     """Three slices of the front half: two of the four pieces are legs, which look alike."""
     posed = whole(creature(5000, pose="walk"), template.full)
