@@ -287,7 +287,7 @@ def match(
         confidence = np.where(foreign, LEAST, confidences(features))
         point_map = _for_all(part, kept_vertices, best.points, matched, confidence)
     with stages("region"):
-        area = float(part.vertex_areas @ point_map.matched) * scale**2 / template.full.area
+        area = float(data.placed.vertex_areas @ matched)
         membership, mask = covered_region(template.placed, best.mask, area)
     return MatchResult(
         full=template.full,

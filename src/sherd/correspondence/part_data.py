@@ -13,6 +13,7 @@ from sherd.descriptors.rotation_shot import rotation_spectra, weighted_spectra
 from sherd.descriptors.tangent_frames import geodesic_directions, smoothed_normals, tangent_axes
 from sherd.mesh.surface_points import SurfacePoints, closest_points
 from sherd.mesh.triangle_mesh import TriangleMesh
+from sherd.spectral.denoising import denoised
 from sherd.spectral.geodesics import Geodesics
 from sherd.spectral.sampling import farthest_point_sample
 from sherd.template import AXIS_WIDTH, NEAR, RADII, canonical, working_mesh
@@ -111,7 +112,7 @@ def part_data(
         nodes in addition to the others.
     """
     pin_vertices, pin_positions = pins or (np.empty(0, dtype=np.int64), np.empty((0, 3)))
-    placed = canonical(part, length)
+    placed = denoised(canonical(part, length))
     mesh = working_mesh(placed)
     own_vertices = None if mesh is placed else closest_points(mesh, placed.vertices)
     if own_vertices is not None:
