@@ -62,6 +62,18 @@ def test_a_large_face_many_times_over_is_drawn_once():
     np.testing.assert_array_equal(found >= 0, once >= 0)
 
 
+def test_a_fan_of_slivers_costs_little_and_has_no_gaps():
+    """A disk as one polygon of 20,000 corners: each triangle's box is as large as the picture."""
+    around = np.linspace(0, 2 * np.pi, 20_001)[:-1]
+    ring = np.stack([800 + 700 * np.cos(around), 650 + 600 * np.sin(around), 0 * around], axis=1)
+    inner = np.arange(1, 19_999)
+    faces = np.stack([np.zeros(19_998, dtype=np.int64), inner, inner + 1], axis=1)
+    start = time.perf_counter()
+    found = covered_faces(ring, faces, width=1600, height=1300)
+    assert time.perf_counter() - start < 20  # minutes when each tile of each box is looked at
+    assert (found >= 0).sum() == pytest.approx(np.pi * 700 * 600, rel=1e-3)
+
+
 def test_orientation_decides_what_is_inside():
     points = np.array([[0, 0, 0], [0, 9, 0], [9, 0, 0]], dtype=float)  # counterclockwise on screen
     normals = np.tile([0.0, 0.0, 1.0], (3, 1))

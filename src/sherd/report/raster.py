@@ -13,6 +13,8 @@ Ints = NDArray[np.int64]
 
 # Pixels across a tile: large enough that looking at a tile costs little beside drawing in it.
 TILE = 16
+# Finding where a row of pixels crosses a face costs as much as testing so many of them.
+WIDE = 8
 
 
 def covered_faces(points: Floats, faces: Ints, *, width: int, height: int) -> NDArray[np.int32]:
@@ -123,7 +125,8 @@ def _nearest_faces(points, faces, drawn, width, height):  # type: ignore[no-unty
         down = ((c[2] - a[2]) * (b[0] - a[0]) - (b[2] - a[2]) * (c[0] - a[0])) / area
         reach = 0.5 * TILE * (abs(across) + abs(down))
         for i in range(top // TILE, bottom // TILE + 1):
-            for j in range(left // TILE, right // TILE + 1):
+            low, high = _across(a, b, c, float(i * TILE), float((i + 1) * TILE))
+            for j in range(max(left, int(low)) // TILE, min(right, int(high)) // TILE + 1):
                 x, y = (j + 0.5) * TILE - a[0], (i + 0.5) * TILE - a[1]
                 if max(front, a[2] + across * x + down * y - reach) >= farthest[i, j]:
                     continue
@@ -140,6 +143,26 @@ def _nearest_faces(points, faces, drawn, width, height):  # type: ignore[no-unty
 
 
 @numba.njit(cache=True)
+def _across(a, b, c, top, bottom):  # type: ignore[no-untyped-def]
+    """Least and largest column of a triangle between two rows; of long slivers it is little."""
+    low, high = np.inf, -np.inf
+    for p, q in ((a, b), (b, c), (c, a)):
+        if max(p[1], q[1]) < top or min(p[1], q[1]) > bottom:
+            continue
+        rise = q[1] - p[1]
+        start, end = 0.0, 1.0
+        if rise != 0.0:
+            enter, leave = (top - p[1]) / rise, (bottom - p[1]) / rise
+            start, end = max(0.0, min(enter, leave)), min(1.0, max(enter, leave))
+        for share in (start, end):
+            column = p[0] + share * (q[0] - p[0])
+            low, high = min(low, column), max(high, column)
+    if low > high:  # the rows pass between its corners
+        return 0.0, -1.0
+    return max(low, 0.0), min(max(high, -1.0), 1e9)
+
+
+@numba.njit(cache=True)
 def _draw(depth, nearest, face, corners, area, box):  # type: ignore[no-untyped-def]
     """Draw one face within the pixels (left, right, top, bottom); whether any is new."""
     a, b, c = corners
@@ -147,7 +170,11 @@ def _draw(depth, nearest, face, corners, area, box):  # type: ignore[no-untyped-
     drawn = False
     for row in range(top, bottom + 1):
         y = row + 0.5
-        for column in range(left, right + 1):
+        first, last = left, right
+        if right - left >= WIDE:
+            low, high = _across(a, b, c, y, y)
+            first, last = max(left, int(low) - 1), min(right, int(high) + 1)
+        for column in range(first, last + 1):
             x = column + 0.5
             u = ((b[0] - x) * (c[1] - y) - (b[1] - y) * (c[0] - x)) / area
             v = ((c[0] - x) * (a[1] - y) - (c[1] - y) * (a[0] - x)) / area
