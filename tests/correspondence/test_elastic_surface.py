@@ -1,53 +1,96 @@
-"""The elastic surface: springs across gaps between components, and only there."""
+"""The elastic surface: rigid motion is free, rotations are closest, answers lie on triangles."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
+import trimesh
+from scipy.spatial.transform import Rotation
 
-from sherd.correspondence.elastic_surface import WIDEST_GAP, elastic_surface
+from sherd.correspondence.covered_vertices import covered_vertices
+from sherd.correspondence.elastic import fit_rotations, relax_positions, strains
+from sherd.mesh.surface_finder import SurfaceFinder
+from sherd.mesh.surface_points import closest_points
 from sherd.mesh.triangle_mesh import TriangleMesh
+from sherd.shapes.truth import true_region
+from sherd.spectral.operators import stiffness
 
-SPACING = 0.02
+
+@pytest.fixture(scope="module")
+def ball() -> TriangleMesh:
+    mesh = trimesh.creation.icosphere(subdivisions=3)
+    x, y, z = mesh.vertices.T
+    shape = TriangleMesh(mesh.vertices * (1 + 0.2 * x * y + 0.1 * z)[:, None], mesh.faces)
+    return shape.with_vertices(shape.vertices / shape.length)
 
 
-def plates(gap: float) -> TriangleMesh:
-    """Two plates of 6 x 11 vertices side by side."""
-    rows, columns = np.meshgrid(np.arange(6), np.arange(11), indexing="ij")
-    plate = SPACING * np.stack([rows.ravel(), columns.ravel(), np.zeros(66)], axis=1)
-    first = (rows[:-1, :-1] * 11 + columns[:-1, :-1]).ravel()
-    faces = np.concatenate(
-        [
-            np.stack([first, first + 11, first + 1], axis=1),
-            np.stack([first + 11, first + 12, first + 1], axis=1),
-        ]
+def springs(mesh: TriangleMesh) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    weak = stiffness(mesh.vertices, mesh.faces).tocsr()
+    weak.setdiag(0.0)
+    weak.eliminate_zeros()
+    weights = np.maximum(-weak.data, 0.01)
+    return weak.indptr.astype(np.int64), weak.indices.astype(np.int64), weights, mesh.vertices
+
+
+@pytest.mark.parametrize("degrees", [0.0, 33.0, 90.0, 179.9, 180.0])
+def test_a_rigid_motion_is_found_at_every_angle_and_strains_nothing(
+    ball: TriangleMesh, degrees: float
+) -> None:
+    turn = Rotation.from_rotvec(np.radians(degrees) * np.array([0.48, 0.6, 0.64])).as_matrix()
+    moved = np.ascontiguousarray(ball.vertices @ turn.T + 2.0)
+    rotations = np.empty((ball.vertex_count, 3, 3))
+    fit_rotations(*springs(ball), moved, rotations)
+    assert np.abs(rotations - turn).max() < 1e-6
+    assert strains(*springs(ball), moved, rotations).max() < 1e-6
+
+
+def test_stretch_is_reported_as_strain(ball: TriangleMesh) -> None:
+    rotations = np.empty((ball.vertex_count, 3, 3))
+    moved = 1.1 * ball.vertices
+    fit_rotations(*springs(ball), moved, rotations)
+    assert np.allclose(strains(*springs(ball), moved, rotations), 0.1, atol=1e-6)
+
+
+def test_relaxing_solves_the_normal_equations(ball: TriangleMesh) -> None:
+    rng = np.random.default_rng(0)
+    count = ball.vertex_count
+    pointers, neighbors, weights, rest = springs(ball)
+    rotations = np.tile(np.eye(3), (count, 1, 1))
+    data = np.tile(0.3 * np.eye(3), (count, 1, 1))
+    targets = ball.vertices + 0.02 * rng.normal(size=(count, 3))
+    found = relax_positions(
+        pointers, neighbors, weights, rest, rotations, data, 0.3 * targets, targets, 1e-10, 2000
     )
-    other = plate + np.array([5 * SPACING + gap, 0.0, 0.0])
-    return TriangleMesh(np.concatenate([plate, other]), np.concatenate([faces, faces + 66]))
+    degree = np.add.reduceat(weights, pointers[:-1])
+
+    def laplacian(x: np.ndarray) -> np.ndarray:
+        return degree[:, None] * x - np.add.reduceat(weights[:, None] * x[neighbors], pointers[:-1])
+
+    residual = laplacian(found - rest) + 0.3 * (found - targets)
+    assert np.abs(residual).max() < 1e-8
 
 
-def springs(mesh: TriangleMesh) -> list[tuple[int, int, float]]:
-    surface = elastic_surface(mesh)
-    ends = np.repeat(np.arange(mesh.vertex_count), np.diff(surface.pointers))
-    rows = zip(ends.tolist(), surface.neighbors.tolist(), surface.weights.tolist(), strict=True)
-    return [(i, j, weight) for i, j, weight in rows if (i < 66) != (j < 66)]
+def test_closest_points_agree_with_the_search_without_normals(ball: TriangleMesh) -> None:
+    rng = np.random.default_rng(1)
+    near = ball.vertices * (1 + 0.02 * rng.normal(size=(ball.vertex_count, 1)))
+    found = SurfaceFinder(ball).closest(near, ball.vertex_normals).positions(ball)
+    other = closest_points(ball, near).positions(ball)
+    assert np.allclose(found, other, atol=1e-9)
 
 
-def test_borders_are_tied_across_a_gap_more_weakly_the_wider_it_is():
-    for gap in (0.03, 0.06):
-        found = springs(plates(gap))
-        assert {(j, i) for i, j, _ in found} == {(i, j) for i, j, _ in found}
-        facing = {(55 + k, 66 + k) for k in range(11)}
-        assert facing <= {(i, j) for i, j, _ in found}
-        straight = [weight for i, j, weight in found if (i, j) in facing]
-        np.testing.assert_allclose(straight, SPACING / gap, rtol=0.2)
+def test_of_two_sheets_the_one_that_faces_the_right_way_is_taken() -> None:
+    sheet = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]])
+    mesh = TriangleMesh(
+        np.concatenate([sheet, sheet + np.array([0, 0, 0.01])]), [[0, 1, 2], [3, 5, 4]]
+    )
+    point, up = np.array([[0.2, 0.2, 0.004]]), np.array([[0.0, 0.0, 1.0]])
+    assert SurfaceFinder(mesh).closest(point, up).faces[0] == 0
+    assert SurfaceFinder(mesh).closest(point, -up).faces[0] == 1
 
 
-@pytest.mark.parametrize("gap", [1.01 * WIDEST_GAP, 3.0])
-def test_components_far_apart_are_not_tied(gap):
-    assert springs(plates(gap)) == []
-
-
-def test_a_mesh_of_one_component_has_only_its_own_edges():
-    mesh, _ = plates(3.0).submesh(np.arange(200) < 100)
-    assert len(elastic_surface(mesh).neighbors) == 2 * len(mesh.edges)
+def test_a_cap_covers_its_own_vertices(ball: TriangleMesh) -> None:
+    cap, kept = ball.submesh((ball.vertices[ball.faces, 2] > 0.05).all(axis=1))
+    mask = covered_vertices(SurfaceFinder(ball), cap.vertices, cap.faces)
+    truth = closest_points(ball, cap.vertices)
+    assert (mask == true_region(ball, cap, truth)).mean() > 0.99
+    assert mask[np.setdiff1d(kept, kept[cap.boundary_vertices])].all()
