@@ -45,7 +45,6 @@ def umbrellas(offsets, weights, reach):  # type: ignore[no-untyped-def]
                 polar[used, 0], polar[used, 1], number[used] = x / square, y / square, k
                 used += 1
         ring = _hull(polar[: used + 1])
-        polar[used] = 0.0
         found = 0
         limit = reach[point] ** 2
         for step in range(len(ring)):

@@ -65,8 +65,7 @@ def shaded_image(
         For faces that do not agree on what is outside: no side is drawn as the inside.
     """
     fine = points * np.array([samples, samples, 1.0])
-    drawn = _drawn_once(fine, faces)
-    nearest = _nearest_faces(fine, faces, drawn, width * samples, height * samples)
+    nearest = covered_faces(fine, faces, width=width * samples, height=height * samples)
     image: NDArray[np.uint8] = _shade(
         nearest, fine, faces, normals, colors.astype(np.float64), samples, two_sided
     )

@@ -57,14 +57,15 @@ def denoised(mesh: TriangleMesh) -> TriangleMesh:
     Desbrun, Meyer, Schroeder, Barr, *Implicit fairing of irregular meshes using diffusion and
     curvature flow*, 1999, equation 9. The border stays where it is: it would shrink.
     """
-    used = len(np.unique(mesh.faces))
+    used = np.unique(mesh.faces)
+    square = mesh.area / len(used)  # of the spacing
     time = TIME * noise_level(mesh) ** 2
-    if time < SHORTEST * mesh.area / used:
+    if time < SHORTEST * square:
         return mesh
     free = np.zeros(mesh.vertex_count)
-    free[np.unique(mesh.faces)] = 1.0
+    free[used] = 1.0
     free[mesh.boundary_vertices] = 0.0
-    areas = np.maximum(mesh.vertex_areas, 1e-12 * mesh.area / used)
+    areas = np.maximum(mesh.vertex_areas, 1e-12 * square)
     inner = sparse.diags_array(free)
     flow = time * stiffness(mesh.vertices, mesh.faces)
     system = (sparse.diags_array(areas) + inner @ flow @ inner).tocsr()
