@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import trimesh
-from scipy.spatial import Delaunay
 
 from sherd.errors import InputError, InvalidMeshError, MeshFileError
 from sherd.mesh.cloud_files import read_part
@@ -13,7 +12,6 @@ from sherd.mesh.encode import encoded
 from sherd.mesh.files import read_mesh
 from sherd.mesh.point_cloud import PointCloud, surface_of
 from sherd.mesh.triangle_mesh import TriangleMesh
-from sherd.mesh.umbrella_kernel import umbrellas
 
 POINTS = np.random.default_rng(0).normal(size=(7, 3)).round(3)
 
@@ -107,7 +105,7 @@ def test_a_bumpy_ball_with_a_hole_is_found_again(with_normals):
     normals = whole.vertex_normals[old]
     mesh = surface_of(PointCloud(part.vertices, normals if with_normals else None))
     np.testing.assert_array_equal(mesh.vertices, part.vertices)
-    assert mesh.area == pytest.approx(part.area, rel=0.01)
+    assert mesh.area == pytest.approx(part.area, rel=0.02)  # notches of the rim are filled
     assert len(np.unique(mesh.faces)) == part.vertex_count
     agreement = (mesh.vertex_normals * normals).sum(axis=1)
     assert np.abs(agreement).min() > 0.9
@@ -131,16 +129,3 @@ def test_a_perfect_grid_becomes_a_whole_sheet():
     mesh = surface_of(PointCloud(np.stack([rows, columns, np.zeros(600)], axis=1)))
     assert mesh.face_count == 2 * 29 * 19
     assert mesh.area == pytest.approx(29 * 19)
-
-
-@pytest.mark.parametrize("share", [1.0, 0.5], ids=["around", "half around"])
-def test_umbrellas_are_the_delaunay_triangles_at_a_point(share):
-    rng = np.random.default_rng(1)
-    around = 2 * np.pi * share * rng.random((200, 18))
-    length = rng.uniform(0.1, 1.0, (200, 18))
-    offsets = np.stack([length * np.cos(around), length * np.sin(around)], axis=2)
-    pairs = umbrellas(offsets, np.zeros((200, 18)), np.full(200, 9.0))
-    for places, found in zip(offsets, pairs, strict=True):
-        simplices = Delaunay(np.concatenate([places, [[0.0, 0.0]]])).simplices
-        wanted = {tuple(sorted(row)) for row in simplices.tolist() if 18 in row}
-        assert {(*sorted(pair), 18) for pair in found[found[:, 0] >= 0].tolist()} == wanted

@@ -7,15 +7,15 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy import sparse
-from scipy.sparse import csgraph
 from scipy.spatial import cKDTree
 
 from sherd.errors import InvalidMeshError
 from sherd.mesh import gluing
-from sherd.mesh.geometry import face_normals
+from sherd.mesh.cloud_noise import noise_of_points, smoothed_points
+from sherd.mesh.delaunay_facets import Facets, delaunay_facets
+from sherd.mesh.front_kernel import grown
+from sherd.mesh.geometry import edge_lengths, face_cross, face_normals
 from sherd.mesh.triangle_mesh import TriangleMesh
-from sherd.mesh.umbrella_kernel import umbrellas
 from sherd.mesh.validate import checked_vertices, frozen
 
 __all__ = ["PointCloud", "surface_of"]
@@ -23,19 +23,32 @@ __all__ = ["PointCloud", "surface_of"]
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-# Two rings of neighbors on an even sampling: the Delaunay triangles at the middle point are then
-# bounded by points that are all there.
-NEIGHBORS = 18
-# Even samplings have edges up to twice the distance of the sixth neighbor; longer ones span holes.
-LONGEST = 2.5
-# Sum of the cosines between a face and the normals of its corners: 3 on a plane. Faces below bridge
-# two sheets.
+# Of the triangles of real meshes, coarse and uneven ones too, 99 % have no side longer than 2.5
+# times the distance to the sixth neighbor, at the corner where that is largest. Beyond is a hole.
+LONGEST_SIDE = 2.5
+SIXTH = 6
+# A stray point is far from all others: next to a surface ten times as dense, the spacing is three
+# times as large, but most of the neighbors are then of the dense side.
+LARGEST_STEP = 2.0
+# Of half a dozen stray points in a clump the sixth neighbor is far away, the third is not; around a
+# point of a surface the sixth is hardly ever three times as far.
+THIRD, CLUMP = 3, 3.0
+# Stray points far apart form triangles too, with random bends. Where the sampling has a tenth of
+# the density of its surroundings real triangles are as large, but there the surface is smooth.
+COARSE = 3.0
+AROUND = 64
+# Noise below a tenth of the spacing leaves the triangulation as it is; clean coarse surfaces bend
+# so much that they seem to have a twentieth.
+LEAST_NOISE = 0.1
+# The triangles of noisy points tell only part of the noise, those of smoother points all of it.
+ROUNDS = 2
+# Sum of the cosines between a face and the known normals of its corners: 3 on a plane. Faces below
+# bridge two sheets.
 LEAST_AGREEMENT = 1.5
-# On a perfect grid both diagonals of a square are Delaunay. A random weight for each point decides,
-# the same for all that see the square: in squares of lengths, above rounding, below any noise.
-TIE = 1e-9
 # A piece with fewer faces is no surface: two rings around a point have more.
 LEAST_PIECE = 40
+# Points on a line, up to this share of its length, have no surface.
+LEAST_WIDTH = 1e-6
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -88,8 +101,9 @@ class PointCloud:
 def surface_of(cloud: PointCloud) -> TriangleMesh:
     """A triangle mesh over all points of the cloud, numbered as they are.
 
-    Each point is triangulated with its neighbors in its tangent plane; a triangle is taken if two
-    of its corners agree on it, or if it fills a gap between such. Holes stay open. Faces agree
+    A surface grows over the Delaunay triangles of the points, small and smooth ones first. Holes
+    stay open, and so do gaps between sheets that nearly touch. Where the points are noisy the
+    triangles are found for smoothed points; the vertices are the points as given. Faces agree
     with their neighbors, and with the cloud's normals where it has some; without, an open surface
     may be inside out.
 
@@ -100,31 +114,92 @@ def surface_of(cloud: PointCloud) -> TriangleMesh:
 
     Notes
     -----
-    70,000 points take about 4 s. Points that belong to no triangle, as stray ones and crumbs of
-    fewer than 40 triangles, are vertices without a face.
+    70,000 points take about 4 s. Points that belong to no triangle, as stray ones, crumbs of
+    fewer than 40 triangles and further points at the same place, are vertices without a face.
 
     References
     ----------
-    Sharp, Crane, *A Laplacian for nonmanifold triangle meshes*, 2020, section 5.7: local
-    triangulations. Taking triangles by agreement of their corners is our own.
+    Cohen-Steiner, Da, *A greedy Delaunay-based surface reconstruction algorithm*, 2004.
     """
-    points = cloud.points
-    count = min(NEIGHBORS + 1, len(points))
-    tree: Any = cKDTree(points)
-    distance, near = tree.query(points, k=count)
-    frames = _frames(points, near)
-    reach = LONGEST * distance[:, min(6, count - 1)]
-    found = _umbrellas(points, near, frames[:, :2], reach)
-    faces, agreed = np.unique(np.sort(found, axis=1), axis=0, return_counts=True)
-    normals = _oriented(frames[:, 2], near) if cloud.normals is None else cloud.normals
-    faces, kept = _facing(points, faces, normals)
-    faces = _manifold(points, faces, agreed[kept] >= 2)
+    places, kept = np.unique(cloud.points, axis=0, return_index=True)
+    normals = None if cloud.normals is None else cloud.normals[kept]
+    faces = np.empty((0, 3), dtype=np.int64)
+    if _is_wide(places):
+        faces = _without_crumbs(places, _surface_faces(places, normals))
     if not len(faces):
         raise InvalidMeshError(
-            f"{cloud.name}: no surface runs through its {len(points)} points; they coincide, lie "
-            "on a line, or are too few"
+            f"{cloud.name}: no surface runs through its {cloud.point_count} points; they coincide, "
+            "lie on a line, or are too few"
         )
-    return TriangleMesh(points, _without_crumbs(points, faces), name=cloud.name)
+    return TriangleMesh(cloud.points, kept[faces], name=cloud.name)
+
+
+def _is_wide(points: Floats) -> bool:
+    """Whether four points or more span a plane."""
+    if len(points) < 4:
+        return False
+    width = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
+    return bool(width[1] > LEAST_WIDTH * width[0])
+
+
+def _surface_faces(points: Floats, normals: Floats | None) -> Ints:
+    """Faces (m, 3) of the surface through distinct points, noisy or not."""
+    faces, smooth = _grown_faces(points, normals), points
+    spacing = np.median(_spacing(points))
+    for _ in range(ROUNDS):
+        noise = noise_of_points(points, TriangleMesh(smooth, faces)) if len(faces) else 0.0
+        if noise < LEAST_NOISE * spacing:
+            break
+        smooth = smoothed_points(points, noise)
+        faces = _grown_faces(smooth, normals)
+    return faces if normals is None else _facing(points, faces, normals)
+
+
+def _grown_faces(points: Floats, normals: Floats | None) -> Ints:
+    """Faces (m, 3) of the surface that grows over the Delaunay facets of distinct points."""
+    spacing = _spacing(points)
+    facets = delaunay_facets(points, spacing, LONGEST_SIDE)
+    across = face_normals(points, facets.corners)
+    if normals is not None:
+        side = np.einsum("mx,mkx->mk", across, normals[facets.corners]).sum(axis=1)
+        agree = np.abs(side) > LEAST_AGREEMENT
+        facets, across = Facets(*(array[agree] for array in facets)), across[agree]
+    corners = facets.corners
+    if not len(corners):
+        return corners
+    usual = _usual_around(points, spacing)[corners].max(axis=1)
+    large = edge_lengths(points, corners).max(axis=1) > COARSE * usual
+    size = facets.radius / np.median(facets.radius)
+    turn = grown(points, corners, *_edges(corners, len(points)), across, size, large)
+    faces: Ints = np.where((turn < 0)[:, None], corners[:, ::-1], corners)[turn != 0]
+    return faces
+
+
+def _spacing(points: Floats) -> Floats:
+    """Distance (n,) of the sixth neighbor, less where points are alone or few."""
+    tree: Any = cKDTree(points)
+    count = min(SIXTH, len(points) - 1)
+    distance, near = tree.query(points, k=count + 1)
+    sixth = np.minimum(distance[:, count], CLUMP * distance[:, min(THIRD, count)])
+    spacing: Floats = np.minimum(sixth, LARGEST_STEP * np.median(sixth[near[:, 1:]], axis=1))
+    return spacing
+
+
+def _usual_around(points: Floats, spacing: Floats) -> Floats:
+    """Median spacing (n,) of the 64 points nearest to each."""
+    tree: Any = cKDTree(points)
+    near = tree.query(points, k=min(AROUND, len(points)))[1]
+    usual: Floats = np.median(spacing[near], axis=1)
+    return usual
+
+
+def _edges(corners: Ints, count: int) -> tuple[Ints, Ints, Ints]:
+    """Edges of triangles with ascending corners, as :func:`grown` wants them."""
+    ends = np.concatenate([corners[:, [0, 1]], corners[:, [1, 2]], corners[:, [0, 2]]])
+    _, edge = np.unique(ends[:, 0] * count + ends[:, 1], return_inverse=True)
+    order = np.argsort(edge, kind="stable")
+    first = np.searchsorted(edge[order], np.arange(edge.max() + 2))
+    return edge.reshape(3, -1).T.copy(), first, order % len(corners)
 
 
 def _checked_normals(normals: ArrayLike | None, count: int) -> Floats | None:
@@ -142,60 +217,15 @@ def _checked_normals(normals: ArrayLike | None, count: int) -> Floats | None:
     return unit
 
 
-def _frames(points: Floats, near: Ints) -> Floats:
-    """Two tangents and the normal of each point, rows of (n, 3, 3), from its neighbors."""
-    offset = points[near] - points[near].mean(axis=1, keepdims=True)
-    axes = np.linalg.eigh(np.einsum("nki,nkj->nij", offset, offset))[1]
-    frames: Floats = axes[:, :, ::-1].transpose(0, 2, 1)
-    return frames
-
-
-def _umbrellas(points: Floats, near: Ints, tangents: Floats, reach: Floats) -> Ints:
-    """Delaunay triangles (t, 3) at each point among its neighbors, in its tangent plane."""
-    count = len(points)
-    offset = np.einsum("nkj,nij->nki", points[near] - points[:, None], tangents)
-    weight = np.random.default_rng(0).random(count)
-    weight = TIE * np.median(reach) ** 2 * (weight[near] - weight[:, None])
-    pairs = umbrellas(offset, weight, reach)
-    point, rank = np.nonzero(pairs[:, :, 0] >= 0)
-    ends = near[point[:, None], pairs[point, rank]]
-    triangles: Ints = np.concatenate([point[:, None], ends], axis=1)
-    return triangles
-
-
-def _oriented(normals: Floats, near: Ints) -> Floats:
-    """The normals with signs that agree from neighbor to neighbor, most parallel ones first.
-
-    Hoppe and others, *Surface reconstruction from unorganized points*, 1992, section 3.3.
-    """
-    count = len(normals)
-    rows, columns = np.repeat(np.arange(count), near.shape[1] - 1), near[:, 1:].ravel()
-    bend = 1.001 - np.abs((normals[rows] * normals[columns]).sum(axis=1))
-    graph = sparse.csr_array((bend, (rows, columns)), shape=(count, count))
-    tree = csgraph.minimum_spanning_tree(graph.maximum(graph.T))
-    signed = normals.copy()
-    seen = np.zeros(count, dtype=bool)
-    for start in range(count):
-        if seen[start]:
-            continue
-        order, before = csgraph.breadth_first_order(tree, start, directed=False)
-        seen[order] = True
-        for point in order[1:].tolist():
-            if signed[point] @ signed[before[point]] < 0:
-                signed[point] = -signed[point]
-    return signed
-
-
-def _facing(points: Floats, faces: Ints, normals: Floats) -> tuple[Ints, NDArray[np.bool_]]:
-    """Faces turned to the side of their corners' normals, and which were kept.
-
-    Those that stand across the normals are left out.
-    """
-    across = face_normals(points, faces)
-    side = np.einsum("mx,mkx->mk", across, normals[faces]).sum(axis=1)
-    kept = np.abs(side) > LEAST_AGREEMENT
-    turned = np.where((side < 0)[:, None], faces[:, ::-1], faces)
-    return turned[kept], kept
+def _facing(points: Floats, faces: Ints, normals: Floats) -> Ints:
+    """The faces, each connected piece turned to the side where most of its normals point."""
+    pairs = gluing.face_pairs(points, faces) // 3
+    piece = gluing.components(pairs[:, 0], pairs[:, 1], len(faces))
+    cross = face_cross(points, faces)
+    side = np.einsum("mx,mkx->m", cross, normals[faces])
+    inward = np.bincount(piece, side)[piece] < 0
+    turned: Ints = np.where(inward[:, None], faces[:, ::-1], faces)
+    return turned
 
 
 def _without_crumbs(points: Floats, faces: Ints) -> Ints:
@@ -205,36 +235,3 @@ def _without_crumbs(points: Floats, faces: Ints) -> Ints:
     large = np.bincount(piece)[piece] >= LEAST_PIECE
     kept: Ints = faces[large] if large.any() else faces
     return kept
-
-
-def _manifold(points: Floats, faces: Ints, agreed: NDArray[np.bool_]) -> Ints:
-    """The `agreed` faces, the smallest first, and others that close gaps between them.
-
-    No edge gets more than two. Noise makes neighbors draw different diagonals, on which nobody
-    agrees; a face closes a gap if it shares two sides or more with faces that are there.
-    """
-    corners = points[faces]
-    size = np.linalg.norm(
-        np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1
-    )
-    order = np.argsort(size, kind="stable").tolist()
-    ordered = np.sort(faces, axis=1).tolist()
-    uses: dict[tuple[int, int], int] = {}
-    kept: list[int] = []
-    waiting = [face for face in order if agreed[face]]
-    others = [face for face in order if not agreed[face]]
-    least, before = 0, -1
-    while len(kept) > before:
-        before, left = len(kept), []
-        for face in waiting:
-            a, b, c = ordered[face]
-            sides = ((a, b), (b, c), (a, c))
-            there = [uses.get(side, 0) for side in sides]
-            if max(there) < 2 and sum(there) >= least:
-                kept.append(face)
-                uses.update(zip(sides, (count + 1 for count in there), strict=True))
-            else:
-                left.append(face)
-        waiting, least = others if least == 0 else left, 2
-    manifold: Ints = faces[np.sort(np.array(kept, dtype=np.int64))]
-    return manifold
