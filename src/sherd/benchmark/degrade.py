@@ -55,11 +55,15 @@ BAND = 0.03
 
 @dataclass(frozen=True)
 class Kind:
-    """One way to spoil a part: what is varied, its levels (the first is clean), and how."""
+    """One way to spoil a part: what is varied, its levels (the first is clean), and how.
+
+    From level `blind` on the part does not tell its outside, and both sides are tried.
+    """
 
     label: str
     levels: tuple[float, ...]
     spoil: Spoil
+    blind: float = np.inf
 
 
 def _clutter(fragment: Fragment, level: float, rng: np.random.Generator) -> Fragment:
@@ -67,12 +71,17 @@ def _clutter(fragment: Fragment, level: float, rng: np.random.Generator) -> Frag
 
 
 def _cloud(fragment: Fragment, level: float, rng: np.random.Generator) -> Fragment:
-    """From level 1 on without faces, in random order; normals only tell the outside."""
+    """From level 1 on without faces, in random order; from 2 on without normals."""
     if level < 1:
         return fragment
     shuffled = reordered(fragment, rng)
-    points = PointCloud(shuffled.mesh.vertices, shuffled.mesh.vertex_normals)
-    return replace(shuffled, mesh=surface_of(points))
+    normals = shuffled.mesh.vertex_normals if level < 2 else None
+    return replace(shuffled, mesh=surface_of(PointCloud(shuffled.mesh.vertices, normals)))
+
+
+def _noisy_cloud(fragment: Fragment, level: float, rng: np.random.Generator) -> Fragment:
+    """From above level 0 on without faces and normals."""
+    return _cloud(noisy(fragment, level / 100, rng=rng), 2.0, rng) if level > 0 else fragment
 
 
 KINDS: dict[str, Kind] = {
@@ -104,7 +113,18 @@ KINDS: dict[str, Kind] = {
         (1.0, 2.0, 3.0),
         lambda part, level, rng: cut_in_pieces(part, int(level), width=BAND),  # noqa: ARG005
     ),
-    "points": Kind("0: mesh, 1: the same points without faces", (0.0, 1.0), _cloud),
+    "points": Kind(
+        "0: mesh, 1: its points and normals, 2: its points alone",
+        (0.0, 1.0, 2.0),
+        _cloud,
+        blind=2.0,
+    ),
+    "noisy-points": Kind(
+        "0: mesh; Gaussian noise of its points alone, % of sqrt(area)",
+        (0.0, 0.1, 0.2, 0.3),
+        _noisy_cloud,
+        blind=0.1,
+    ),
 }
 
 
@@ -183,13 +203,13 @@ def degrade_benchmark(
 
 def degrade_table(rows: Sequence[DegradeRow]) -> str:
     """The rows as text, each error also relative to the clean part of its kind."""
-    lines = ["kind        level   error x100   of clean   coverage   clutter found   seconds"]
+    lines = ["kind           level   error x100   of clean   coverage   clutter found   seconds"]
     clean: dict[str, float] = {}
     for row in rows:
         first = clean.setdefault(row.kind, row.error)
         found = "-" if row.recognized is None else f"{row.recognized:.2f}"
         lines.append(
-            f"{row.kind:10s} {row.level:6g} {row.error:12.2f} {row.error / first:10.2f} "
+            f"{row.kind:13s} {row.level:6g} {row.error:12.2f} {row.error / first:10.2f} "
             f"{row.coverage:10.2f} {found:>15s} {row.seconds:9.1f}"
         )
     return "\n".join(lines)
@@ -205,7 +225,8 @@ def _measured(
     mended, report = repair(part.mesh)
     template.prepare()
     start = time.perf_counter()
-    matching = match_either_side if side_is_unclear(mended, report) else match
+    blind = level >= KINDS[kind].blind or side_is_unclear(mended, report)
+    matching = match_either_side if blind else match
     result = matching(template, mended)
     seconds = time.perf_counter() - start
     truth = part.truth[report.original_vertices]

@@ -20,6 +20,7 @@ from sherd.cli.inputs import (
 )
 from sherd.cli.lifting import as_read, repaired_vertices
 from sherd.cli.tables import read_ground_truth, read_ignored, read_landmarks
+from sherd.either_side import is_sure_of_side
 from sherd.errors import InputError
 from sherd.match import MatchOptions, MatchResult, MatchStatus, match
 from sherd.output import Stages
@@ -121,7 +122,7 @@ def match_and_write(
     found = match(template, part.repaired, options, stages=stages)
     # where the faces do not tell, the side on which neighborhoods agree is outside
     inside_out = found.status is MatchStatus.DOUBTFUL and len(part.repaired.boundary_vertices) > 0
-    if part.one_sided or inside_out:
+    if inside_out or (part.one_sided and not is_sure_of_side(found)):
         turned = part.turned()
         other = match(template, turned.repaired, options, stages=stages)
         if other.scores["best"] > found.scores["best"]:
