@@ -13,7 +13,7 @@ from sherd.mesh.cloud_files import read_points
 from sherd.mesh.files import read_mesh_with_notices
 from sherd.mesh.point_cloud import surface_of
 from sherd.mesh.repair import RepairReport, repair
-from sherd.mesh.sides import bulge, side_is_unclear, turned_over
+from sherd.mesh.sides import side_is_unclear, turned_over
 from sherd.mesh.triangle_mesh import TriangleMesh
 
 __all__ = ["PreparedMesh", "command_line", "prepared_mesh", "prepared_part", "show_notices"]
@@ -51,11 +51,10 @@ def prepared_part(path: Path) -> PreparedMesh:
     known = part.normals is not None
     said = (
         f"holds {part.point_count} points and no faces; triangles were laid over the points, "
-        + ("outward by their normals" if known else "and both sides tried, as it has no normals"),
+        + ("outward by their normals" if known else "outward as far as shape and match tell"),
         *(f"repaired for this run: {text}" for text in report.notices),
     )
-    prepared = PreparedMesh(original, repaired, report, said, one_sided=not known)
-    return prepared.turned() if not known and bulge(repaired) < 0 else prepared
+    return PreparedMesh(original, repaired, report, said, one_sided=not known)
 
 
 def prepared_mesh(path: Path) -> PreparedMesh:

@@ -14,7 +14,8 @@ from sherd.mesh import gluing
 from sherd.mesh.cloud_noise import noise_of_points, smoothed_points
 from sherd.mesh.delaunay_facets import Facets, delaunay_facets
 from sherd.mesh.front_kernel import grown
-from sherd.mesh.geometry import edge_lengths, face_cross, face_normals
+from sherd.mesh.geometry import edge_lengths, face_normals, vertex_normals
+from sherd.mesh.outward import seen_from_outside, turned_outward
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.mesh.validate import checked_vertices, frozen
 
@@ -40,8 +41,9 @@ AROUND = 64
 # Noise below a tenth of the spacing leaves the triangulation as it is; clean coarse surfaces bend
 # so much that they seem to have a twentieth.
 LEAST_NOISE = 0.1
-# The triangles of noisy points tell only part of the noise, those of smoother points all of it.
-ROUNDS = 2
+# The triangles of noisy points tell only part of the noise, those of smoother points all of it. If
+# that is hardly more, nothing would change.
+ROUNDS, MORE_NOISE = 2, 1.2
 # Sum of the cosines between a face and the known normals of its corners: 3 on a plane. Faces below
 # bridge two sheets.
 LEAST_AGREEMENT = 1.5
@@ -49,6 +51,7 @@ LEAST_AGREEMENT = 1.5
 LEAST_PIECE = 40
 # Points on a line, up to this share of its length, have no surface.
 LEAST_WIDTH = 1e-6
+TINY = 1e-300
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -104,8 +107,8 @@ def surface_of(cloud: PointCloud) -> TriangleMesh:
     A surface grows over the Delaunay triangles of the points, small and smooth ones first. Holes
     stay open, and so do gaps between sheets that nearly touch. Where the points are noisy the
     triangles are found for smoothed points; the vertices are the points as given. Faces agree
-    with their neighbors, and with the cloud's normals where it has some; without, an open surface
-    may be inside out.
+    with their neighbors, and with the cloud's normals where it has some; without, they look to
+    where they can be seen from, which for a bowl seen from inside is wrong.
 
     Raises
     ------
@@ -123,6 +126,8 @@ def surface_of(cloud: PointCloud) -> TriangleMesh:
     """
     places, kept = np.unique(cloud.points, axis=0, return_index=True)
     normals = None if cloud.normals is None else cloud.normals[kept]
+    places = places - places.mean(axis=0)
+    places = places / max(np.abs(places).max(), TINY)  # no product of lengths overflows
     faces = np.empty((0, 3), dtype=np.int64)
     if _is_wide(places):
         faces = _without_crumbs(places, _surface_faces(places, normals))
@@ -145,14 +150,21 @@ def _is_wide(points: Floats) -> bool:
 def _surface_faces(points: Floats, normals: Floats | None) -> Ints:
     """Faces (m, 3) of the surface through distinct points, noisy or not."""
     faces, smooth = _grown_faces(points, normals), points
-    spacing = np.median(_spacing(points))
+    lowered = LEAST_NOISE * float(np.median(_spacing(points)))
     for _ in range(ROUNDS):
         noise = noise_of_points(points, TriangleMesh(smooth, faces)) if len(faces) else 0.0
-        if noise < LEAST_NOISE * spacing:
+        if noise < lowered:
             break
-        smooth = smoothed_points(points, noise)
+        smooth, lowered = smoothed_points(points, noise), MORE_NOISE * noise
         faces = _grown_faces(smooth, normals)
-    return faces if normals is None else _facing(points, faces, normals)
+    if not len(faces):
+        return faces
+    own = vertex_normals(smooth, faces)
+    if normals is None:
+        outside = seen_from_outside(smooth, own)
+    else:
+        outside = np.einsum("ij,ij->i", own, normals)
+    return turned_outward(smooth, faces, outside)
 
 
 def _grown_faces(points: Floats, normals: Floats | None) -> Ints:
@@ -215,17 +227,6 @@ def _checked_normals(normals: ArrayLike | None, count: int) -> Floats | None:
         raise InvalidMeshError(f"normals[{row}] = {array[row]}, but a direction is needed")
     unit: Floats = frozen(array / length[:, None]).astype(np.float64, copy=False)
     return unit
-
-
-def _facing(points: Floats, faces: Ints, normals: Floats) -> Ints:
-    """The faces, each connected piece turned to the side where most of its normals point."""
-    pairs = gluing.face_pairs(points, faces) // 3
-    piece = gluing.components(pairs[:, 0], pairs[:, 1], len(faces))
-    cross = face_cross(points, faces)
-    side = np.einsum("mx,mkx->m", cross, normals[faces])
-    inward = np.bincount(piece, side)[piece] < 0
-    turned: Ints = np.where(inward[:, None], faces[:, ::-1], faces)
-    return turned
 
 
 def _without_crumbs(points: Floats, faces: Ints) -> Ints:
