@@ -170,9 +170,7 @@ def _fits(triangle, way, cloud, surface):  # type: ignore[no-untyped-def]
         if full[corner] or rung[corner] == MOST:
             return False
         one, two = _sides_at(sides, triangle, place)
-        met = (owner[one, 0] >= 0 or owner[one, 1] >= 0) + (
-            owner[two, 0] >= 0 or owner[two, 1] >= 0
-        )
+        met = _is_used(owner, one) + _is_used(owner, two)
         if met == 2 and fans[corner] > 1 and _other_end(corner, one, cloud, surface) == two:
             return False  # a closed fan leaves no room for another
         touches = met == 0 and fans[corner] > 0
@@ -203,14 +201,13 @@ def _meets(triangle, way, corner, normals, surface):  # type: ignore[no-untyped-
 
 @numba.njit(cache=True)
 def _take(triangle, way, cloud, surface):  # type: ignore[no-untyped-def]
+    """Add a triangle to the surface."""
     corners, sides = cloud[1], cloud[2]
     turn, owner, fans, full, ring, rung = surface
     for place in range(3):
         corner = corners[triangle, place]
         one, two = _sides_at(sides, triangle, place)
-        met = (owner[one, 0] >= 0 or owner[one, 1] >= 0) + (
-            owner[two, 0] >= 0 or owner[two, 1] >= 0
-        )
+        met = _is_used(owner, one) + _is_used(owner, two)
         if met == 0:
             fans[corner] += 1
         elif met == 2:

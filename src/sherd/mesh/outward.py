@@ -36,7 +36,7 @@ TINY = 1e-300
 
 
 def seen_from_outside(points: Floats, normals: Floats) -> Floats:
-    """How far each point is seen from in front, less how far from behind: about 1 to -1, 0 if hidden.
+    """How far points are seen from in front, less how far from behind: about 1 to -1, 0 if hidden.
 
     Parameters
     ----------

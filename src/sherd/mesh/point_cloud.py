@@ -51,6 +51,7 @@ LEAST_AGREEMENT = 1.5
 LEAST_PIECE = 40
 # Points on a line, up to this share of its length, have no surface.
 LEAST_WIDTH = 1e-6
+# Nothing is divided by less.
 TINY = 1e-300
 
 
@@ -117,7 +118,7 @@ def surface_of(cloud: PointCloud) -> TriangleMesh:
 
     Notes
     -----
-    70,000 points take about 4 s. Points that belong to no triangle, as stray ones, crumbs of
+    70,000 points take about 10 s, noisy ones twice that. Points that belong to no triangle, as stray ones, crumbs of
     fewer than 40 triangles and further points at the same place, are vertices without a face.
 
     References
