@@ -91,9 +91,10 @@ def _page(summary: Mapping[str, Any], folder: Path) -> str:
     settings = summary["settings"]
     scale = "unknown" if settings["unknown_scale"] else "known"
     turned = "randomly rotated" if settings["rotate"] else "not rotated"
+    shown = ", parts as their points alone" if settings["points"] else ""
     title = f"sherd {summary['version']} on {summary['title']}"
     said = (
-        f"{summary['data']}. Meshes {summary['meshes']}, {turned}, scale {scale}, seed "
+        f"{summary['data']}. Meshes {summary['meshes']}{shown}, {turned}, scale {scale}, seed "
         f"{settings['seed']}. The error of a vertex is the geodesic distance on the full shape "
         "between answer and truth over the square root of the full shape's area; every vertex "
         "that has a true place is answered and counted. A bad pair has a mean error x100 above 10."

@@ -19,9 +19,11 @@ from sherd.benchmark.metrics import (
     vertex_mask,
 )
 from sherd.benchmark.pairs import Pair, PairSource, rotated, seed_of
+from sherd.either_side import match_either_side
 from sherd.errors import InfeasibleError
 from sherd.match import MatchOptions, MatchResult, match
 from sherd.mesh.files import read_mesh
+from sherd.mesh.point_cloud import PointCloud, surface_of
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.output import Stages
 from sherd.shapes.truth import true_region
@@ -54,12 +56,15 @@ class BenchmarkSettings:
         Turn every part at random.
     unknown_scale
         Scale every part by a random factor in [1/2, 2] and tell the method only that it is unknown.
+    points
+        Take the faces from every part; which side is outside is then unknown as well.
     seed
         Seed of rotations, factors, cuts and of the method.
     """
 
     rotate: bool = False
     unknown_scale: bool = False
+    points: bool = False
     seed: int = 0
 
 
@@ -182,7 +187,8 @@ def measured(source: PairSource, settings: BenchmarkSettings) -> MatchRow:
         "present": float(there.mean()),
     }
     try:
-        result = match(template, part, MatchOptions(scale=scale, seed=settings.seed))
+        matching = match_either_side if settings.points else match
+        result = matching(template, part, MatchOptions(scale=scale, seed=settings.seed))
     except InfeasibleError:
         return _refused(known)
     return MatchRow(
@@ -213,6 +219,8 @@ def _presented(
 ) -> tuple[TriangleMesh, float]:
     """The part as the method sees it, and the factor that would undo its scaling."""
     shown = rotated(part, seed) if settings.rotate else part
+    if settings.points:
+        shown = surface_of(PointCloud(shown.vertices, name=shown.name))
     if not settings.unknown_scale:
         return shown, 1.0
     factor = float(np.exp(np.random.default_rng(seed).uniform(-np.log(2), np.log(2))))

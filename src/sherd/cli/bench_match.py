@@ -44,17 +44,17 @@ def _finish(document: dict[str, Any], output: Path) -> int:
 @click.command("shrec16")
 @_common
 @click.option("--remeshed", type=click.Path(path_type=Path), help="Parts meshed anew.")
+@click.option("--points", is_flag=True, help="Take the faces from every part.")
 @click.option("--kind", type=click.Choice(KINDS), multiple=True, help="Both if none.")
 def shrec16_command(
     directory: Path,
     *,
     remeshed: Path | None,
     kind: tuple[str, ...],
-    rotate: bool,
-    unknown_scale: bool,
     only: tuple[str, ...],
     jobs: int,
     output: Path,
+    **settings: bool,
 ) -> int:
     """Match every part of a SHREC'16 folder and report errors, regions and times.
 
@@ -68,7 +68,7 @@ def shrec16_command(
         directory,
         output=output,
         kinds=kind or KINDS,
-        settings=BenchmarkSettings(rotate=rotate, unknown_scale=unknown_scale),
+        settings=BenchmarkSettings(**settings),
         remeshed=remeshed,
         only=only,
         jobs=jobs,

@@ -118,8 +118,9 @@ def surface_of(cloud: PointCloud) -> TriangleMesh:
 
     Notes
     -----
-    70,000 points take about 10 s, noisy ones twice that. Points that belong to no triangle, as stray ones, crumbs of
-    fewer than 40 triangles and further points at the same place, are vertices without a face.
+    70,000 points take about 10 s, noisy ones twice that. Points that belong to no triangle, as
+    stray ones, crumbs of fewer than 40 triangles and further points at the same place, are
+    vertices without a face.
 
     References
     ----------
