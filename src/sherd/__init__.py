@@ -30,8 +30,10 @@ if TYPE_CHECKING:
         SherdError,
     )
     from sherd.match import Alternative, MatchOptions, MatchResult, MatchStatus, match
+    from sherd.mesh.cloud_files import read_part
     from sherd.mesh.files import read_mesh, write_mesh
     from sherd.mesh.inspection import MeshReport, inspect
+    from sherd.mesh.point_cloud import PointCloud, surface_of
     from sherd.mesh.repair import RepairReport, repair
     from sherd.mesh.surface_points import SurfacePoints
     from sherd.mesh.triangle_mesh import TriangleMesh
@@ -71,6 +73,7 @@ _HOMES = {
     "OptionError": "sherd.errors",
     "OutputError": "sherd.errors",
     "Placement": "sherd.region.region",
+    "PointCloud": "sherd.mesh.point_cloud",
     "PointMap": "sherd.correspondence.point_map",
     "Region": "sherd.region.region",
     "RepairReport": "sherd.mesh.repair",
@@ -96,9 +99,11 @@ _HOMES = {
     "plot": "sherd.report.notebook",
     "read_match": "sherd.report.stored_match",
     "read_mesh": "sherd.mesh.files",
+    "read_part": "sherd.mesh.cloud_files",
     "remeshed": "sherd.shapes.fragment",
     "repair": "sherd.mesh.repair",
     "show": "sherd.report.notebook",
+    "surface_of": "sherd.mesh.point_cloud",
     "whole": "sherd.shapes.fragment",
     "write_match_report": "sherd.report.match_report",
     "write_mesh": "sherd.mesh.files",
@@ -120,6 +125,7 @@ __all__ = [
     "OptionError",
     "OutputError",
     "Placement",
+    "PointCloud",
     "PointMap",
     "Region",
     "RepairReport",
@@ -146,9 +152,11 @@ __all__ = [
     "plot",
     "read_match",
     "read_mesh",
+    "read_part",
     "remeshed",
     "repair",
     "show",
+    "surface_of",
     "whole",
     "write_match_report",
     "write_mesh",

@@ -114,6 +114,15 @@ def test_a_run_measures_writes_and_resumes(
     _page_shows(document, tmp_path)
 
 
+def test_parts_are_measured_as_points_alone(folder: Path, tmp_path: Path) -> None:
+    settings = BenchmarkSettings(rotate=True, points=True)
+    document = shrec16_benchmark(folder, output=tmp_path, kinds=("cuts",), settings=settings)
+    assert document["rows"][0]["mean"] < 0.03
+    assert document["rows"][0]["coverage"] > 0.9
+    write_benchmark_page(document, tmp_path)
+    assert "parts as their points alone" in (tmp_path / "bench.html").read_text(encoding="utf-8")
+
+
 def _page_shows(document: dict[str, Any], output: Path) -> None:
     write_benchmark_page(document, output)
     page = (output / "bench.html").read_text(encoding="utf-8")
