@@ -23,10 +23,11 @@ Ints = NDArray[np.int64]
 # Directions all around, 30 degrees apart, and points enough to tell limbs apart.
 VIEWS = 40
 MOST_POINTS = 5000
-# Eyes stand three radii from the middle. The points are flipped over a sphere of a hundred times
-# the distance of the farthest: the smaller it is, the more points count as hidden.
+# Eyes stand three radii from the middle. The points are flipped over a sphere of twice the distance
+# of the farthest. The smaller it is, the more points count as hidden; with a hundred, eyes look
+# through coarse surfaces, and the inside of legs is seen.
 DISTANCE = 3.0
-SPHERE = 100.0
+SPHERE = 2.0
 # The mean cosine at which the points of a ball are seen, 0 from where they are hidden.
 OPEN = 0.15
 # Capacities are whole numbers, their sum less than 2^31: a thousand steps are plenty for one face.
