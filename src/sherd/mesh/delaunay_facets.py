@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import Delaunay
 
-from sherd.mesh.geometry import face_areas, face_normals
+from sherd.mesh.geometry import edge_lengths, face_areas, face_normals
 
 __all__ = ["Facets", "delaunay_facets"]
 
@@ -22,8 +22,7 @@ JOGGLE = 1e-7
 SLIVER = 1e-4
 # Below the smallest positive numbers that matter, so that nothing is divided by zero.
 TINY = 1e-300
-# Pairs of corners of a triangle; corners of a tetrahedron without one.
-PAIRS = ((0, 1), (1, 2), (0, 2))
+# Corners of a tetrahedron without one.
 TRIPLES = ((1, 2, 3), (0, 2, 3), (0, 1, 3), (0, 1, 2))
 
 
@@ -60,7 +59,7 @@ def delaunay_facets(points: Floats, reach: Floats, longest: float) -> Facets:
     found = np.sort(np.concatenate([tetrahedra[:, triple] for triple in TRIPLES]), axis=1)
     owner = np.tile(np.arange(len(tetrahedra)), 4)
     apex = tetrahedra.T.ravel()
-    relative = _longest_side(points, found) / reach[found].max(axis=1)
+    relative = edge_lengths(points, found).max(axis=1) / reach[found].max(axis=1)
     near = np.flatnonzero(relative <= longest)
     order = near[np.lexsort(found[near].T[::-1])]
     found, owner, apex = found[order], owner[order], apex[order]
@@ -70,7 +69,7 @@ def delaunay_facets(points: Floats, reach: Floats, longest: float) -> Facets:
     twin = np.minimum(start + 1, len(found) - 1)
     inner = ~new[twin]  # the other facets are on the hull of all points
     corners = found[start]
-    flat = face_areas(points, corners) < SLIVER * _longest_side(points, corners) ** 2
+    flat = face_areas(points, corners) < SLIVER * edge_lengths(points, corners).max(axis=1) ** 2
     start, twin, inner, corners = start[~flat], twin[~flat], inner[~flat], corners[~flat]
     center, radius = _circles(moved, corners)
     normal = face_normals(moved, corners)
@@ -110,14 +109,6 @@ def _circles(points: Floats, corners: Ints) -> tuple[Floats, Floats]:
     arm = _dot(b, b)[:, None] * np.cross(normal, a) + _dot(a, a)[:, None] * np.cross(b, normal)
     arm = arm / (2.0 * square)
     return origin + arm, np.sqrt(_dot(arm, arm))
-
-
-def _longest_side(points: Floats, corners: Ints) -> Floats:
-    sides = [
-        np.linalg.norm(points[corners[:, i]] - points[corners[:, j]], axis=1) for i, j in PAIRS
-    ]
-    longest: Floats = np.max(sides, axis=0)
-    return longest
 
 
 def _height(places: Floats, origin: Floats, normal: Floats) -> Floats:

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.linalg import cg
 
+from sherd.mesh.topology import adjacency
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.spectral.operators import stiffness
 
@@ -32,9 +33,7 @@ def noise_level(mesh: TriangleMesh) -> float:
     `(I - A)^2`; the median over the vertices that are no neighbors of the border tells s.
     """
     count = mesh.vertex_count
-    first, second = mesh.edges.T
-    graph = sparse.coo_array((np.ones(len(first)), (first, second)), shape=(count, count)).tocsr()
-    graph = (graph + graph.T).tocsr()
+    graph = adjacency(mesh.faces, count)
     degree = np.asarray(graph.sum(axis=1)).ravel()
     mean = sparse.diags_array(1.0 / np.maximum(degree, 1.0)) @ graph
     once = sparse.eye_array(count) - mean
