@@ -32,6 +32,7 @@ from sherd.shapes.fragment import (
     with_clutter,
     with_flipped_faces,
 )
+from sherd.spectral.geodesics import Geodesics
 from sherd.template import Template
 
 CASES = max(1, int(os.environ.get("SHERD_FUZZ_CASES", "60")) // 20)
@@ -98,6 +99,32 @@ def test_clutter_is_unmatched_and_the_rest_is_not(template: Template) -> None:
     assert matched[~part.present].mean() < 0.1
     assert result.point_map.confidence[~part.present].max() < 0.1
     assert errors(part, result.point_map.points)[part.present].mean() < 0.02
+
+
+def sewn_across(mesh: TriangleMesh, count: int) -> TriangleMesh:
+    """`count` pairs of faces joined by a strip, near in space but far along the surface."""
+    some = np.random.default_rng(0).choice(np.unique(mesh.faces), 300, replace=False)
+    along = Geodesics(mesh).distances_from(some)
+    straight = np.linalg.norm(mesh.vertices[some][:, None] - mesh.vertices, axis=2)
+    detour = np.where(along > 0.3 * mesh.length, along / np.maximum(straight, 1e-9), 0.0)
+    strips = []
+    for row in np.argsort(-detour.max(axis=1))[:count]:
+        ends = some[row], detour[row].argmax()
+        one, two = (mesh.faces[(mesh.faces == end).any(axis=1)][0] for end in ends)
+        strips += [[one[0], one[1], two[0]], [two[0], two[1], one[0]]]
+    return TriangleMesh(mesh.vertices, np.concatenate([mesh.faces, strips]))
+
+
+def test_skin_joined_to_skin_does_not_mislead(template: Template) -> None:
+    """Where limbs touch, scanners and surfaces through points join them: paths become shorter."""
+    posed = whole(creature(5000, pose="gallop"), template.full)
+    axis = np.linalg.svd(
+        posed.mesh.vertices - posed.mesh.vertices.mean(axis=0), full_matrices=False
+    )[2][0]
+    half = largest_piece(cut_by_plane(posed, posed.mesh.vertices.mean(axis=0), axis))
+    part = moved(half, np.random.default_rng(1))
+    error = errors(part, match(template, sewn_across(part.mesh, 40)).point_map.points)
+    assert error.mean() < 0.01
 
 
 # Shapes with fewer vertices than a labeling has proposals, and far longer than wide.

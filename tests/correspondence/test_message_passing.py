@@ -61,17 +61,17 @@ def test_pair_costs_follow_the_formula() -> None:
     pairs = np.array([[0.9, -0.4]], dtype=np.float32)
     measures = np.array([[0.2, 0.2, 1.0, 2.0, 0.5]])
     costs = labeling_costs(
-        edges, measures, labels, rotations, pairs, (distances, headings), (0.02, 0.1, 4.0, 0.5)
+        edges, measures, labels, rotations, pairs, (distances, headings), (0.02, 0.1, 4.0, 1.0, 0.5)
     )
 
-    def robust(x: float) -> float:
-        return x / (1 + x / 4.0)
+    def robust(x: float, limit: float = 4.0) -> float:
+        return x / (1 + x / limit)
 
     off = ((0.3 - 0.2) / 0.04) ** 2
     out = (2 - 2 * np.cos(0.9 - 0.1 - 0.5)) / 0.25
     back = (2 - 2 * np.cos(-0.4 - 0.2 + 1.0)) / 0.25
     assert np.isclose(
-        costs[0, 0, 0], 2.0 * (robust(off) + 0.5 * (robust(out) + robust(back))), atol=1e-4
+        costs[0, 0, 0], 2.0 * (robust(off, 1.0) + 0.5 * (robust(out) + robust(back))), atol=1e-4
     )
     # the same label twice: the length is missed, and there is no direction
     assert np.isclose(costs[0, 0, 1], 2.0 * (robust((0.2 / 0.04) ** 2) + 0.5 * 4.0), atol=1e-4)
@@ -89,7 +89,7 @@ def test_paths_along_the_cut_may_shrink_on_the_full_shape_but_not_grow() -> None
         none,
         none[:1],
         (distances, np.zeros((3, 3, 2), dtype=np.float32)),
-        (0.02, 0.1, 4.0, 0.5),
+        (0.02, 0.1, 4.0, 4.0, 0.5),
     )
     assert costs[0, 0, 0] == 0.0
     assert costs[0, 0, 1] > 1.0

@@ -35,6 +35,9 @@ MIDDLE_REACH = 0.35
 LENGTH_SIGMA, STRETCH_SIGMA = 0.02, 0.1
 # Beyond two sigma a pair says "wrong" and not more.
 LIMIT = 4.0
+# Skin that touches skin is joined by a scanner, and by any surface through points, so paths on the
+# part may be shortcuts: one sigma beyond the part's length a longer one says no more.
+LONGER_LIMIT = 1.0
 # Short lengths are more reliable and there are more far pairs than near ones.
 LENGTH_HALF = 0.3
 # Between components of the part no geodesic is known, but the straight line is not longer than the
@@ -143,7 +146,7 @@ def solve(problem: Problem, labels: Ints, rotations: Floats, *, step: float) -> 
     angles = part.directions
     pairs = np.stack([angles[edges[:, 0], edges[:, 1]], angles[edges[:, 1], edges[:, 0]]], axis=1)
     shape = (template.label_to_label, template.label_headings)
-    settings = (LENGTH_SIGMA, STRETCH_SIGMA, LIMIT, ANGLE_SIGMA)
+    settings = (LENGTH_SIGMA, STRETCH_SIGMA, LIMIT, LONGER_LIMIT, ANGLE_SIGMA)
     turns = rotations.astype(np.float32)
     costs = labeling_costs(edges, problem.measures, labels, turns, pairs, shape, settings)
     bridges = np.flatnonzero(~np.isfinite(problem.measures[:, 0]))

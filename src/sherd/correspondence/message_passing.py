@@ -37,10 +37,11 @@ def labeling_costs(edges, measures, labels, rotations, directions, shape, settin
     shape
         (label distances (s, s), cosine and sine of label directions (s, s, 2)).
     settings
-        (sigma at 0, sigma per length, limit, sigma of angle).
+        (sigma at 0, sigma per length, limit, limit where the full shape's length is the longer
+        one, sigma of angle).
     """
     distances, headings = shape
-    sigma_zero, sigma_slope, limit, sigma_angle = settings
+    sigma_zero, sigma_slope, limit, longer_limit, sigma_angle = settings
     factor = 1.0 / (sigma_angle * sigma_angle)
     count = labels.shape[1]
     costs = np.empty((len(edges), count, count), np.float32)
@@ -58,11 +59,13 @@ def labeling_costs(edges, measures, labels, rotations, directions, shape, settin
                 to = labels[second, b]
                 distance = distances[at, to]
                 off = (distance - length) * scale
-                cost = _robust(off * off, limit)
+                length_limit = longer_limit if off > 0.0 else limit
+                cost = _robust(off * off, length_limit)
                 if equality < 1.0:
                     # a path along the cut may be longer than on the full shape, never shorter
                     beyond = max(off, 0.0) + max((lower - distance) * scale, 0.0)
-                    cost = equality * cost + (1.0 - equality) * _robust(beyond * beyond, limit)
+                    bounded = _robust(beyond * beyond, length_limit)
+                    cost = equality * cost + (1.0 - equality) * bounded
                 if turn > 0.0:
                     if at == to:
                         cost += turn * limit
