@@ -9,13 +9,10 @@ from scipy.sparse import csgraph
 
 from sherd.correspondence.guided import best_placed, guided_turns
 from sherd.correspondence.labeling import (
-    ANGLE_SIGMA,
     CUT_TRUST,
-    LENGTH_SIGMA,
-    LIMIT,
+    SETTINGS,
     SIMILARITY_LIMIT,
     SIMILARITY_STEP,
-    STRETCH_SIGMA,
     UNARY_WEIGHT,
     Labeling,
     Problem,
@@ -35,7 +32,6 @@ ROUNDS = 3
 # A node belongs to the core when over half of its near pairs agree.
 CORE_SHARE = 0.5
 CORE_REACH = 0.2
-SIGMAS = (LENGTH_SIGMA, STRETCH_SIGMA, ANGLE_SIGMA, LIMIT)
 # Two labels this far apart, the largest neighborhood, are different places.
 ELSEWHERE = 0.1
 # If nearly all nodes are core there is nothing to grow.
@@ -144,7 +140,7 @@ def _proposals(problem: Problem, labeling: Labeling) -> tuple[Ints, Floats]:
     guides = _guides(problem, labeling, 14)
     state = (labeling.labels, labeling.rotations)
     part, full = _part(problem), _full(problem)
-    labels, _ = best_placed(nodes, guides, part, full, state, SIGMAS, PROPOSALS)
+    labels, _ = best_placed(nodes, guides, part, full, state, SETTINGS, PROPOSALS)
     rotations = guided_turns(nodes, guides, labels, part, full, state)
     alone = guides[:, 0] < 0
     labels[alone], rotations[alone] = labeling.labels[alone, None], labeling.rotations[alone, None]
@@ -195,7 +191,7 @@ def _best_from(
     labels, rotations, step = state
     nodes, rows = np.array([node]), guides[None, :]
     part, full = _part(problem), _full(problem)
-    at, misfit = best_placed(nodes, rows, part, full, (labels, rotations), SIGMAS, 25)
+    at, misfit = best_placed(nodes, rows, part, full, (labels, rotations), SETTINGS, 25)
     turn = guided_turns(nodes, rows, at, part, full, (labels, rotations))[0]
     shifts = problem.similarity.shape[2]
     shift = np.round(turn / (2 * np.pi) * shifts).astype(np.int64) % shifts

@@ -3,7 +3,7 @@
 Kernels on plain arrays; :mod:`sherd.correspondence.labeling` says what labels and rotations mean.
 Guides are an array (k, g), padded with -1. `part` is the pair (between, directions) of the nodes,
 `full` the pair (label_to_label, label_headings), `state` the pair (labels, rotations) of all
-nodes, `sigmas` are (of length at 0, of length per length, of angle, limit).
+nodes, `settings` are as of :func:`sherd.correspondence.message_passing.labeling_costs`.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ GUIDE_LENGTH = 0.15
 
 
 @numba.njit(cache=True, parallel=True)
-def best_placed(nodes, guides, part, full, state, sigmas, count):  # type: ignore[no-untyped-def]
+def best_placed(nodes, guides, part, full, state, settings, count):  # type: ignore[no-untyped-def]
     """Labels (k, count) that agree best with the guides of `nodes` (k,), and their costs.
 
     Equal costs are in the order of the labels.
@@ -29,7 +29,7 @@ def best_placed(nodes, guides, part, full, state, sigmas, count):  # type: ignor
     labels, costs = np.empty((rows, count), np.int64), np.empty((rows, count))
     for row in numba.prange(rows):
         misfit = np.empty(full[0].shape[0])
-        _misfits(nodes[row], guides[row], part, full, state, sigmas, misfit)
+        _misfits(nodes[row], guides[row], part, full, state, settings, misfit)
         for rank in range(count):
             best = np.argmin(misfit)
             labels[row, rank], costs[row, rank] = best, misfit[best]
@@ -38,12 +38,12 @@ def best_placed(nodes, guides, part, full, state, sigmas, count):  # type: ignor
 
 
 @numba.njit(cache=True)
-def _misfits(node, guides, part, full, state, sigmas, misfit):  # type: ignore[no-untyped-def]
+def _misfits(node, guides, part, full, state, settings, misfit):  # type: ignore[no-untyped-def]
     """Write the cost (s,) of every label for one node: length and direction from each guide."""
     between, directions = part
     label_distances, headings = full
     labels, rotations = state
-    sigma_zero, sigma_slope, sigma_angle, limit = sigmas
+    sigma_zero, sigma_slope, limit, longer_limit, sigma_angle = settings
     misfit[:] = 0.0
     for guide in guides:
         if guide < 0:
@@ -61,7 +61,8 @@ def _misfits(node, guides, part, full, state, sigmas, misfit):  # type: ignore[n
             square = min(off * off, 1e12)  # labels on other components are infinitely far
             agreement = along * there[label, 0] + across * there[label, 1]
             turn = 2.0 * (1.0 - agreement) / sigma_angle**2
-            cost = square / (1.0 + square / limit) + 0.5 * turn / (1.0 + turn / limit)
+            length_limit = longer_limit if off > 0.0 else limit
+            cost = square / (1.0 + square / length_limit) + 0.5 * turn / (1.0 + turn / limit)
             misfit[label] += near * cost
 
 

@@ -50,6 +50,8 @@ DETOUR, DETOUR_LIMIT, BRIDGE_WEIGHT = 1.35, 1.0, 1.0
 ANGLE_SIGMA = float(np.radians(30.0))
 ANGLE_REACH = 0.3
 ANGLE_WEIGHT = 0.5
+# What compares lengths and directions gets these together.
+SETTINGS = (LENGTH_SIGMA, STRETCH_SIGMA, LIMIT, LONGER_LIMIT, ANGLE_SIGMA)
 # How fast the belief in equal length fades once the path may have met the cut.
 CUT_FADE = 0.15
 CUT_SHARE = 0.6
@@ -146,9 +148,8 @@ def solve(problem: Problem, labels: Ints, rotations: Floats, *, step: float) -> 
     angles = part.directions
     pairs = np.stack([angles[edges[:, 0], edges[:, 1]], angles[edges[:, 1], edges[:, 0]]], axis=1)
     shape = (template.label_to_label, template.label_headings)
-    settings = (LENGTH_SIGMA, STRETCH_SIGMA, LIMIT, LONGER_LIMIT, ANGLE_SIGMA)
     turns = rotations.astype(np.float32)
-    costs = labeling_costs(edges, problem.measures, labels, turns, pairs, shape, settings)
+    costs = labeling_costs(edges, problem.measures, labels, turns, pairs, shape, SETTINGS)
     bridges = np.flatnonzero(~np.isfinite(problem.measures[:, 0]))
     costs[bridges] = _bridge_costs(problem, bridges, labels)
     unary = unary_cost(problem, labels, rotations, step).astype(np.float32)
