@@ -15,6 +15,7 @@ FLOORS = {
     "_version": 0,
     "errors": 1,
     "output": 1,
+    "threads": 1,
     "mesh": 2,
     "spectral": 3,
     "descriptors": 4,

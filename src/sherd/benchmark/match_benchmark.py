@@ -23,6 +23,7 @@ from sherd.benchmark.match_summary import summary
 from sherd.benchmark.pairs import PairSource
 from sherd.errors import OptionError
 from sherd.output import Stages, write_text
+from sherd.threads import set_thread_count
 
 __all__ = ["match_benchmark"]
 
@@ -91,9 +92,7 @@ def _measured_all(
 
 
 def _measured_beside_others(source: PairSource, settings: BenchmarkSettings) -> MatchRow:
-    import numba  # noqa: PLC0415
-
-    numba.set_num_threads(1)  # the processes share the cores
+    set_thread_count(1)  # the processes share the cores
     return measured(source, settings)
 
 

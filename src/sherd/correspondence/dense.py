@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from sherd.correspondence.labeling import Labeling
 from sherd.correspondence.part_data import PartData
 from sherd.template import Template
+from sherd.threads import over_rows
 
 __all__ = ["trilaterated"]
 
@@ -44,9 +45,10 @@ def trilaterated(template: Template, part: PartData, labeling: Labeling) -> Ints
     near = np.argsort(distances, axis=0, kind="stable")[:count].T
     length = np.take_along_axis(distances, near.T, axis=0).T
     pointers, members = _members(template.cells, len(template.label_vertices))
-    result: Ints = _trilaterate(
-        near, length.astype(np.float64), labeling.labels,
-        (template.label_to_label, template.label_distances), (pointers, members),
+    result = np.zeros(len(near), dtype=np.int64)
+    over_rows(
+        _trilaterate, len(near), near, length.astype(np.float64), labeling.labels,
+        (template.label_to_label, template.label_distances), (pointers, members), result,
     )  # fmt: skip
     return result
 
@@ -61,13 +63,11 @@ def _members(cells: Ints, count: int) -> tuple[Ints, Ints]:
 # First the best cells by the costs of their labels, then the best vertex in them: a twelfth of the
 # work of comparing all vertices. The cost changes little within a cell, so the best vertex is
 # in one of the best cells.
-@numba.njit(cache=True, parallel=True)
-def _trilaterate(near, length, labels, distances, cells):  # type: ignore[no-untyped-def]
+@numba.njit(cache=True, nogil=True)
+def _trilaterate(rows, near, length, labels, distances, cells, result):  # type: ignore[no-untyped-def]
     between, to_vertices = distances
     pointers, members = cells
-    points = len(near)
-    result = np.zeros(points, np.int64)
-    for point in numba.prange(points):
+    for point in range(rows[0], rows[1]):
         at = labels[near[point]]
         costs = np.full(CELLS, np.inf)
         best = np.full(CELLS, -1)
@@ -91,7 +91,6 @@ def _trilaterate(near, length, labels, distances, cells):  # type: ignore[no-unt
                 cost = _misfit(at, length[point], to_vertices, vertex, lowest)
                 if cost < lowest:
                     lowest, result[point] = cost, vertex
-    return result
 
 
 @numba.njit(cache=True, inline="always")

@@ -18,17 +18,55 @@ import math
 
 import numba
 import numpy as np
+from numpy.typing import NDArray
+
+from sherd.threads import over_rows
 
 __all__ = ["fit_rotations", "relax_positions", "softened", "strains"]
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
 
 # The root is off by 1e-16 over its gap, and the eigenvector by that over the gap again: six digits.
 SMALLEST_GAP = 1e-5
 
 
-@numba.njit(cache=True, parallel=True)
-def fit_rotations(pointers, neighbors, weights, rest, positions, rotations):  # type: ignore[no-untyped-def]
+def fit_rotations(
+    pointers: Ints,
+    neighbors: Ints,
+    weights: Floats,
+    rest: Floats,
+    positions: Floats,
+    rotations: Floats,
+) -> None:
     """Write the rotations (n, 3, 3) that fit the edges at each vertex best."""
-    for i in numba.prange(len(rest)):
+    over_rows(_fit_rotations, len(rest), pointers, neighbors, weights, rest, positions, rotations)
+
+
+def strains(
+    pointers: Ints,
+    neighbors: Ints,
+    weights: Floats,
+    rest: Floats,
+    positions: Floats,
+    rotations: Floats,
+) -> Floats:
+    """Root of each vertex's share of E over its edges' squared lengths (n,): relative strain."""
+    result = np.empty(len(rest))
+    over_rows(_strains, len(rest), pointers, neighbors, weights, rest, positions, rotations, result)
+    return result
+
+
+def softened(pointers: Ints, neighbors: Ints, weights: Floats, strain: Floats) -> Floats:
+    """Edge weights divided by 1 + strain^2, mean of both ends: where it strains, creases form."""
+    result = np.empty(len(weights))
+    over_rows(_softened, len(strain), pointers, neighbors, weights, strain, result)
+    return result
+
+
+@numba.njit(cache=True, nogil=True)
+def _fit_rotations(rows, pointers, neighbors, weights, rest, positions, rotations):  # type: ignore[no-untyped-def]
+    for i in range(rows[0], rows[1]):
         a = np.zeros((3, 3))
         for entry in range(pointers[i], pointers[i + 1]):
             j = neighbors[entry]
@@ -243,12 +281,9 @@ def _precondition(i, inverse, residual, out):  # type: ignore[no-untyped-def]
     return t0 * x0 + t1 * x1 + t2 * x2
 
 
-@numba.njit(cache=True, parallel=True)
-def strains(pointers, neighbors, weights, rest, positions, rotations):  # type: ignore[no-untyped-def]
-    """Root of each vertex's share of E over its edges' squared lengths (n,): relative strain."""
-    count = len(rest)
-    result = np.empty(count)
-    for i in numba.prange(count):
+@numba.njit(cache=True, nogil=True)
+def _strains(rows, pointers, neighbors, weights, rest, positions, rotations, result):  # type: ignore[no-untyped-def]
+    for i in range(rows[0], rows[1]):
         moved, size = 0.0, 1e-30
         for entry in range(pointers[i], pointers[i + 1]):
             j = neighbors[entry]
@@ -259,16 +294,12 @@ def strains(pointers, neighbors, weights, rest, positions, rotations):  # type: 
                 moved += weights[entry] * (positions[j, r] - positions[i, r] - turned) ** 2
                 size += weights[entry] * (rest[j, r] - rest[i, r]) ** 2
         result[i] = math.sqrt(moved / size)
-    return result
 
 
-@numba.njit(cache=True, parallel=True)
-def softened(pointers, neighbors, weights, strain):  # type: ignore[no-untyped-def]
-    """Edge weights divided by 1 + strain^2, mean of both ends: where it strains, creases form."""
-    result = np.empty(len(weights))
-    for i in numba.prange(len(strain)):
+@numba.njit(cache=True, nogil=True)
+def _softened(rows, pointers, neighbors, weights, strain, result):  # type: ignore[no-untyped-def]
+    for i in range(rows[0], rows[1]):
         here = 1.0 / (1.0 + strain[i] * strain[i])
         for entry in range(pointers[i], pointers[i + 1]):
             there = strain[neighbors[entry]]
             result[entry] = weights[entry] * 0.5 * (here + 1.0 / (1.0 + there * there))
-    return result

@@ -9,32 +9,55 @@ nodes, `settings` are as of :func:`sherd.correspondence.message_passing.labeling
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numba
 import numpy as np
+from numpy.typing import NDArray
+
+from sherd.threads import over_rows
 
 __all__ = ["best_placed", "guided_turns"]
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Pair = tuple[NDArray[Any], NDArray[Any]]
+Settings = tuple[float, ...]
 
 # Geodesics longer than a limb's width say little about one point.
 GUIDE_LENGTH = 0.15
 
 
-@numba.njit(cache=True, parallel=True)
-def best_placed(nodes, guides, part, full, state, settings, count):  # type: ignore[no-untyped-def]
+def best_placed(
+    nodes: Ints, guides: Ints, part: Pair, full: Pair, state: Pair, settings: Settings, count: int
+) -> tuple[Ints, Floats]:
     """Labels (k, count) that agree best with the guides of `nodes` (k,), and their costs.
 
     Equal costs are in the order of the labels.
     """
-    rows = len(nodes)
-    labels, costs = np.empty((rows, count), np.int64), np.empty((rows, count))
-    for row in numba.prange(rows):
+    labels, costs = np.empty((len(nodes), count), dtype=np.int64), np.empty((len(nodes), count))
+    over_rows(_best_placed, len(nodes), nodes, guides, part, full, state, settings, labels, costs)
+    return labels, costs
+
+
+def guided_turns(
+    nodes: Ints, guides: Ints, at: Ints, part: Pair, full: Pair, state: Pair
+) -> Floats:
+    """Rotation (k, c) of each of `nodes` (k,) at labels `at` (k, c) that its guides agree on."""
+    turns = np.empty(at.shape)
+    over_rows(_guided_turns, len(nodes), nodes, guides, at, part, full, state, turns)
+    return turns
+
+
+@numba.njit(cache=True, nogil=True)
+def _best_placed(rows, nodes, guides, part, full, state, settings, labels, costs):  # type: ignore[no-untyped-def]  # noqa: PLR0913
+    for row in range(rows[0], rows[1]):
         misfit = np.empty(full[0].shape[0])
         _misfits(nodes[row], guides[row], part, full, state, settings, misfit)
-        for rank in range(count):
+        for rank in range(labels.shape[1]):
             best = np.argmin(misfit)
             labels[row, rank], costs[row, rank] = best, misfit[best]
             misfit[best] = np.inf
-    return labels, costs
 
 
 @numba.njit(cache=True)
@@ -66,14 +89,12 @@ def _misfits(node, guides, part, full, state, settings, misfit):  # type: ignore
             misfit[label] += near * cost
 
 
-@numba.njit(cache=True, parallel=True)
-def guided_turns(nodes, guides, at, part, full, state):  # type: ignore[no-untyped-def]
-    """Rotation (k, c) of each of `nodes` (k,) at labels `at` (k, c) that its guides agree on."""
+@numba.njit(cache=True, nogil=True)
+def _guided_turns(rows, nodes, guides, at, part, full, state, turns):  # type: ignore[no-untyped-def]
     between, directions = part
     headings = full[1]
     labels = state[0]
-    turns = np.empty(at.shape)
-    for row in numba.prange(len(nodes)):
+    for row in range(rows[0], rows[1]):
         node = nodes[row]
         for rank in range(at.shape[1]):
             here = at[row, rank]
@@ -87,4 +108,3 @@ def guided_turns(nodes, guides, at, part, full, state):  # type: ignore[no-untyp
                 along += near * (c * there[0] + s * there[1])
                 across += near * (s * there[0] - c * there[1])
             turns[row, rank] = math.atan2(across, along)
-    return turns

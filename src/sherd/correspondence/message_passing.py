@@ -9,8 +9,15 @@ import math
 
 import numba
 import numpy as np
+from numpy.typing import NDArray
+
+from sherd.threads import over_rows
 
 __all__ = ["labeling_costs", "pass_messages"]
+
+Floats = NDArray[np.float64]
+Singles = NDArray[np.float32]
+Ints = NDArray[np.int64]
 
 
 @numba.njit(cache=True, inline="always")
@@ -19,8 +26,15 @@ def _robust(squared, limit):  # type: ignore[no-untyped-def]
     return squared / (1.0 + squared / limit)
 
 
-@numba.njit(cache=True, parallel=True)
-def labeling_costs(edges, measures, labels, rotations, directions, shape, settings):  # type: ignore[no-untyped-def]
+def labeling_costs(
+    edges: Ints,
+    measures: Floats,
+    labels: Ints,
+    rotations: Singles,
+    directions: Singles,
+    shape: tuple[Singles, Singles],
+    settings: tuple[float, ...],
+) -> Singles:
     """Cost (e, k, k) float32 of each pair of labels on each edge.
 
     Parameters
@@ -40,12 +54,24 @@ def labeling_costs(edges, measures, labels, rotations, directions, shape, settin
         (sigma at 0, sigma per length, limit, limit where the full shape's length is the longer
         one, sigma of angle).
     """
+    count = labels.shape[1]
+    costs = np.empty((len(edges), count, count), dtype=np.float32)
+    over_rows(
+        _labeling_costs, len(edges), edges, measures, labels, rotations, directions, shape,
+        settings, costs,
+    )  # fmt: skip
+    return costs
+
+
+@numba.njit(cache=True, nogil=True)
+def _labeling_costs(  # type: ignore[no-untyped-def]  # noqa: PLR0913
+    rows, edges, measures, labels, rotations, directions, shape, settings, costs
+):
     distances, headings = shape
     sigma_zero, sigma_slope, limit, longer_limit, sigma_angle = settings
     factor = 1.0 / (sigma_angle * sigma_angle)
     count = labels.shape[1]
-    costs = np.empty((len(edges), count, count), np.float32)
-    for edge in numba.prange(len(edges)):
+    for edge in range(rows[0], rows[1]):
         first, second = edges[edge]
         length, lower, equality, weight, turn = measures[edge]
         scale = 1.0 / (sigma_zero + sigma_slope * length)
@@ -75,7 +101,6 @@ def labeling_costs(edges, measures, labels, rotations, directions, shape, settin
                         u, v = 2.0 - 2.0 * u, 2.0 - 2.0 * v
                         cost += turn * (_robust(u * factor, limit) + _robust(v * factor, limit))
                 costs[edge, a, b] = weight * cost
-    return costs
 
 
 @numba.njit(cache=True)

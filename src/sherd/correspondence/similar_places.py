@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from sherd.descriptors.rotation_shot import shift_table, similarity_of_two
 from sherd.mesh.vertex_cells import sorted_into_cells, vertices_in_ball
 from sherd.template import Template
+from sherd.threads import over_rows
 
 __all__ = ["Look", "similar_places"]
 
@@ -65,22 +66,24 @@ def similar_places(
     # the nearest vertex is always compared, and says which sheet of the surface is meant
     nearest: Ints = np.asarray(template.vertex_tree.query(here, workers=-1)[1])
     unit = template.unit
-    answers: tuple[Floats, Floats, Floats] = _most_alike(
-        here, nearest, sorted_into_cells(unit.vertices, reach),
-        (unit.vertices, template.normals, unit.vertex_areas),
-        (look.full_spectra, look.part_spectra, shift_table()), reach,
-    )  # fmt: skip
-    return answers
-
-
-@numba.njit(cache=True, parallel=True)
-def _most_alike(here, nearest, cells, surface, spectra, reach):  # type: ignore[no-untyped-def]
-    """Targets, confidence and similarity; see :func:`similar_places`."""
-    vertices, normals, areas = surface
-    full_spectra, part_spectra, waves = spectra
     targets = np.empty((len(here), 3))
     confidence, similarity = np.empty(len(here)), np.empty(len(here))
-    for row in numba.prange(len(here)):
+    over_rows(
+        _most_alike, len(here), here, nearest, sorted_into_cells(unit.vertices, reach),
+        (unit.vertices, template.normals, unit.vertex_areas),
+        (look.full_spectra, look.part_spectra, shift_table()), reach,
+        (targets, confidence, similarity),
+    )  # fmt: skip
+    return targets, confidence, similarity
+
+
+@numba.njit(cache=True, nogil=True)
+def _most_alike(rows, here, nearest, cells, surface, spectra, reach, answers):  # type: ignore[no-untyped-def]
+    """Write targets, confidence and similarity; see :func:`similar_places`."""
+    vertices, normals, areas = surface
+    full_spectra, part_spectra, waves = spectra
+    targets, confidence, similarity = answers
+    for row in range(rows[0], rows[1]):
         near = vertices_in_ball(here[row], reach, vertices, cells)
         if len(near) == 0:
             near = nearest[row : row + 1]
@@ -116,4 +119,3 @@ def _most_alike(here, nearest, cells, surface, spectra, reach):  # type: ignore[
         targets[row] = here[row] + mean
         confidence[row] = 1.0 / (1.0 + spread / SPREAD**2)
         similarity[row] = alike
-    return targets, confidence, similarity

@@ -28,6 +28,7 @@ from threadpoolctl import threadpool_limits
 
 from sherd.descriptors.shot_kernel import AZIMUTHS, BINS, vote
 from sherd.mesh.vertex_cells import sorted_into_cells
+from sherd.threads import over_rows, thread_count
 
 __all__ = [
     "mirrored_spectra",
@@ -75,10 +76,10 @@ def rotation_spectra(
     """
     cells = sorted_into_cells(vertices, max(radii))
     result = np.empty((_FREQUENCIES, len(queries), 2 * len(radii) * BINS), dtype=np.float32)
-    _describe(
-        np.ascontiguousarray(vertices), np.ascontiguousarray(normals), weights, queries,
-        np.ascontiguousarray(x_axes), np.ascontiguousarray(z_axes), np.array(radii),
-        cells, _wave_table(), result,
+    over_rows(
+        _describe, len(queries), np.ascontiguousarray(vertices), np.ascontiguousarray(normals),
+        weights, queries, np.ascontiguousarray(x_axes), np.ascontiguousarray(z_axes),
+        np.array(radii), cells, _wave_table(), result,
     )  # fmt: skip
     return result
 
@@ -139,7 +140,7 @@ def pooled_similarity(
     block = max(1, int(3e6) // max(len(cells), 1))
     half = part_spectra.shape[2] // 2
     turned = np.concatenate([part_spectra[:, :, half:], -part_spectra[:, :, :half]], axis=2)
-    with threadpool_limits(limits=1), ThreadPoolExecutor(numba.get_num_threads()) as pool:
+    with threadpool_limits(limits=1), ThreadPoolExecutor(thread_count()) as pool:
         for start in range(0, count, block):
             rows = slice(start, min(start + block, count))
             parts = np.empty((AZIMUTHS, rows.stop - start, len(cells)), dtype=np.float32)
@@ -151,7 +152,7 @@ def pooled_similarity(
                 for k in _IMAGINARY
             ]
             list(pool.map(lambda product: np.matmul(product[0], product[1], product[2]), products))
-            _pool(parts, cells, waves, result[rows])
+            over_rows(_pool, parts.shape[1], parts, cells, waves, result[rows])
     return result
 
 
@@ -167,11 +168,13 @@ def shift_table(shifts: int = 16) -> Singles:
 
 
 # Each histogram becomes a spectrum at once: all of them together would be four times the result.
-@numba.njit(cache=True, parallel=True)
-def _describe(vertices, normals, weights, queries, x_axes, z_axes, radii, cells, waves, result):  # type: ignore[no-untyped-def]  # noqa: PLR0913
+@numba.njit(cache=True, nogil=True)
+def _describe(  # type: ignore[no-untyped-def]  # noqa: PLR0913
+    rows, vertices, normals, weights, queries, x_axes, z_axes, radii, cells, waves, result
+):
     """Write the spectra (5, q, 2 c) of the query vertices."""
     half = len(radii) * BINS
-    for row in numba.prange(len(queries)):
+    for row in range(rows[0], rows[1]):
         histogram = np.zeros((len(radii), AZIMUTHS, BINS))
         frame = (x_axes[row], z_axes[row])
         vote(vertices, normals, weights, queries[row], frame, radii, cells, histogram)
@@ -188,11 +191,11 @@ def _describe(vertices, normals, weights, queries, x_axes, z_axes, radii, cells,
                         result[frequency, row, start + entry] = scale * total
 
 
-@numba.njit(cache=True, parallel=True, fastmath={"reassoc", "contract"})
-def _pool(parts, cells, waves, result):  # type: ignore[no-untyped-def]
+@numba.njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
+def _pool(rows, parts, cells, waves, result):  # type: ignore[no-untyped-def]
     """Maximum over the vertices of each cell of the similarity at each rotation."""
-    rows, shifts = parts.shape[1], waves.shape[1]
-    for row in numba.prange(rows):
+    shifts = waves.shape[1]
+    for row in range(rows[0], rows[1]):
         result[row] = np.float32(-1.0)
         for vertex in range(len(cells)):
             cell = cells[vertex]

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sherd.mesh.vertex_cells import sorted_into_cells
+from sherd.threads import over_rows
 
 __all__ = [
     "AZIMUTHS",
@@ -76,10 +77,10 @@ def shot_histograms(
     """
     cells = sorted_into_cells(vertices, max(radii))
     histograms = np.zeros((len(queries), len(radii), AZIMUTHS, BINS))
-    _vote_all(
-        np.ascontiguousarray(vertices), np.ascontiguousarray(normals), weights, queries,
-        np.ascontiguousarray(x_axes), np.ascontiguousarray(z_axes), np.array(radii),
-        cells, histograms,
+    over_rows(
+        _vote_all, len(queries), np.ascontiguousarray(vertices), np.ascontiguousarray(normals),
+        weights, queries, np.ascontiguousarray(x_axes), np.ascontiguousarray(z_axes),
+        np.array(radii), cells, histograms,
     )  # fmt: skip
     norms = np.sqrt((histograms**2).sum(axis=(2, 3), keepdims=True))
     histograms /= np.where(norms > 0, norms, 1.0)
@@ -97,13 +98,18 @@ def neighborhood_moments(
     covariance = np.zeros((len(queries), 3, 3))
     mean = np.zeros((len(queries), 3))
     cells = sorted_into_cells(vertices, radius)
-    _moments(np.ascontiguousarray(vertices), weights, queries, radius, cells, covariance, mean)
+    over_rows(
+        _moments, len(queries), np.ascontiguousarray(vertices), weights, queries, radius, cells,
+        covariance, mean,
+    )  # fmt: skip
     return covariance, mean
 
 
-@numba.njit(cache=True, parallel=True)
-def _vote_all(vertices, normals, weights, queries, x_axes, z_axes, radii, cells, histograms):  # type: ignore[no-untyped-def]  # noqa: PLR0913
-    for row in numba.prange(len(queries)):
+@numba.njit(cache=True, nogil=True)
+def _vote_all(  # type: ignore[no-untyped-def]  # noqa: PLR0913
+    rows, vertices, normals, weights, queries, x_axes, z_axes, radii, cells, histograms
+):
+    for row in range(rows[0], rows[1]):
         frame = (x_axes[row], z_axes[row])
         vote(vertices, normals, weights, queries[row], frame, radii, cells, histograms[row])
 
@@ -211,11 +217,11 @@ def _add(histogram, k, weight, azimuth, height, radius, cosine):  # type: ignore
                     histogram[k, a, base + c] += share_r * (1.0 - abs(at_cosine - c0 - step_c))
 
 
-@numba.njit(cache=True, parallel=True)
-def _moments(vertices, weights, queries, radius, cells, covariance, mean):  # type: ignore[no-untyped-def]
+@numba.njit(cache=True, nogil=True)
+def _moments(rows, vertices, weights, queries, radius, cells, covariance, mean):  # type: ignore[no-untyped-def]
     """Sum the first and second moments of the neighbors of each query."""
     order, starts, origin, size, shape = cells
-    for row in numba.prange(len(queries)):
+    for row in range(rows[0], rows[1]):
         query = queries[row]
         total, mass = 0.0, 0.0
         d = np.empty(3)

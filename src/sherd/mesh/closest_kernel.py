@@ -4,18 +4,30 @@ from __future__ import annotations
 
 import numba
 import numpy as np
+from numpy.typing import NDArray
+
+from sherd.threads import over_rows
 
 __all__ = ["closest_on_faces"]
 
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
 
-@numba.njit(cache=True, parallel=True)
-def closest_on_faces(positions, near, corners, penalty, faces, weights):  # type: ignore[no-untyped-def]
+
+def closest_on_faces(
+    positions: Floats, near: Ints, corners: Floats, penalty: Floats, faces: Ints, weights: Floats
+) -> None:
     """Write the face and the weights (p,), (p, 3) of the point closest to each position (p, 3).
 
     Searched are the faces `near` (p, k) with `corners` (m, 3, 3); `penalty` (p, k), l^2, is added
     to the squared distances. Ericson, *Real-Time Collision Detection*, 2005, section 5.1.5.
     """
-    for row in numba.prange(len(positions)):
+    over_rows(_closest_on_faces, len(positions), positions, near, corners, penalty, faces, weights)
+
+
+@numba.njit(cache=True, nogil=True)
+def _closest_on_faces(rows, positions, near, corners, penalty, faces, weights):  # type: ignore[no-untyped-def]
+    for row in range(rows[0], rows[1]):
         best = np.inf
         faces[row] = near[row, 0]
         weights[row, 0], weights[row, 1], weights[row, 2] = 1.0, 0.0, 0.0
