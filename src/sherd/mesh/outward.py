@@ -30,6 +30,10 @@ DISTANCE = 3.0
 SPHERE = 2.0
 # The mean cosine at which the points of a ball are seen, 0 from where they are hidden.
 OPEN = 0.15
+# A cut along an edge between two faces in a plane costs as much as so many faces that are seen by
+# all. Bowls are seen from inside, so patches should not turn for little. From 6 to 15, halves of
+# animals have the fewest faces turned wrongly: 0.6 % of the area, and 1.4 % with 1.
+SEAM = 8.0
 # Capacities are whole numbers, their sum less than 2^31: a thousand steps are plenty for one face.
 LARGEST_CAPACITY, LARGEST_SUM = 1000, 2**30
 # Nothing is divided by less.
@@ -91,8 +95,7 @@ def turned_outward(points: Floats, faces: Ints, outside: Floats) -> Ints:
     size = np.maximum(double[one] * double[two], TINY)
     bend = np.einsum("ij,ij->i", cross[one], cross[two]) / size
     seam = np.linalg.norm(points[start] - points[end], axis=1) * np.maximum(bend, 0.0) ** 2
-    # an edge between two faces costs as much as one face that is seen by all
-    seam *= np.sqrt(double.mean())
+    seam *= SEAM * np.sqrt(double.mean())
     turned = _cheapest(side, seam, one, two)
     facing = np.where(turned[:, None], faces[:, ::-1], faces)
     torn = turned[one] != turned[two]
