@@ -22,6 +22,7 @@ from sherd.correspondence.confidence import (
 )
 from sherd.correspondence.correspond import Twin, anchored, looked_again, mirrored_twin
 from sherd.correspondence.hypothesis import Hypothesis, part_queries, settled
+from sherd.correspondence.labeling import EVEN_SETTINGS, SETTINGS
 from sherd.correspondence.part_data import part_data
 from sherd.correspondence.point_map import PointMap
 from sherd.correspondence.scale import LARGEST, LARGEST_AREA, estimated_scale
@@ -272,14 +273,15 @@ def match(
             data = part_data(kept, template.length / scale, pins=pins)
         queries = part_queries(data, rng)
     with stages("anchors"):
-        labeling = anchored(template, data, rng)
+        settings = EVEN_SETTINGS if options.scale == "unknown" else SETTINGS
+        labeling = anchored(template, data, rng, settings=settings)
     with stages("first placement"):
         first = settled(template, data, labeling, queries)
     with stages("second placement"):
-        second = looked_again(template, data, first, queries, rng)
+        second = looked_again(template, data, first, queries, rng, settings=settings)
         best, other = sorted((first, second), key=lambda found: -found.score)
     with stages("mirrored twin"):
-        twin = mirrored_twin(template, data, queries, rng)
+        twin = mirrored_twin(template, data, queries, rng, settings=settings)
     with stages("confidence"):
         features = confidence_features(data, queries, best, other)
         foreign = foreign_vertices(data, queries, best)
@@ -287,7 +289,9 @@ def match(
         confidence = np.where(foreign, LEAST, confidences(features))
         point_map = _for_all(part, kept_vertices, best.points, matched, confidence)
     with stages("region"):
-        area = float(data.placed.vertex_areas @ matched)
+        # its area is that in the pose of the full shape; the part may be some percent smaller
+        share = float(data.placed.vertex_areas @ matched) / data.placed.area
+        area = share * float(template.placed.vertex_areas @ best.mask)
         membership, mask = covered_region(template.placed, best.mask, area)
     return MatchResult(
         full=template.full,

@@ -10,7 +10,6 @@ from scipy.sparse import csgraph
 from sherd.correspondence.guided import best_placed, guided_turns
 from sherd.correspondence.labeling import (
     CUT_TRUST,
-    SETTINGS,
     SIMILARITY_LIMIT,
     SIMILARITY_STEP,
     UNARY_WEIGHT,
@@ -140,7 +139,7 @@ def _proposals(problem: Problem, labeling: Labeling) -> tuple[Ints, Floats]:
     guides = _guides(problem, labeling, 14)
     state = (labeling.labels, labeling.rotations)
     part, full = _part(problem), _full(problem)
-    labels, _ = best_placed(nodes, guides, part, full, state, SETTINGS, PROPOSALS)
+    labels, _ = best_placed(nodes, guides, part, full, state, problem.settings, PROPOSALS)
     rotations = guided_turns(nodes, guides, labels, part, full, state)
     alone = guides[:, 0] < 0
     labels[alone], rotations[alone] = labeling.labels[alone, None], labeling.rotations[alone, None]
@@ -191,7 +190,7 @@ def _best_from(
     labels, rotations, step = state
     nodes, rows = np.array([node]), guides[None, :]
     part, full = _part(problem), _full(problem)
-    at, misfit = best_placed(nodes, rows, part, full, (labels, rotations), SETTINGS, 25)
+    at, misfit = best_placed(nodes, rows, part, full, (labels, rotations), problem.settings, 25)
     turn = guided_turns(nodes, rows, at, part, full, (labels, rotations))[0]
     shifts = problem.similarity.shape[2]
     shift = np.round(turn / (2 * np.pi) * shifts).astype(np.int64) % shifts

@@ -18,7 +18,7 @@ from sherd.correspondence.hypothesis import (
     roughly_settled,
     settled,
 )
-from sherd.correspondence.labeling import SIMILARITY_STEP, Labeling, make_problem
+from sherd.correspondence.labeling import SETTINGS, SIMILARITY_STEP, Labeling, make_problem
 from sherd.correspondence.part_data import (
     PartData,
     mirrored,
@@ -51,11 +51,13 @@ def anchored(
     rng: np.random.Generator,
     *,
     inside: Singles | None = None,
+    settings: tuple[float, ...] = SETTINGS,
 ) -> Labeling:
     """Label the part's nodes, jointly, by similarity and consistency.
 
     With `inside`, spectra of the full shape seen within a region, the part's neighborhoods are
-    taken to be complete; without, they count less near the cut.
+    taken to be complete; without, they count less near the cut. `settings` say how lengths and
+    directions are compared.
     """
     spectra = part_spectra(part, part.nodes)
     trusted = (
@@ -67,7 +69,7 @@ def anchored(
         template.cells,
         len(template.label_vertices),
     )
-    problem = make_problem(template, part, similarity, rng)
+    problem = make_problem(template, part, similarity, rng, settings=settings)
     if inside is None:
         return find_anchors(problem)
     return find_anchors(problem, step=SECOND_STEP, rounds=2)
@@ -79,17 +81,24 @@ def looked_again(
     first: Hypothesis,
     queries: Queries,
     rng: np.random.Generator,
+    *,
+    settings: tuple[float, ...] = SETTINGS,
 ) -> Hypothesis:
     """A second placement, from anchors that see the full shape inside the first one's region."""
-    labeling = anchored(template, part, rng, inside=first.inside_spectra)
+    labeling = anchored(template, part, rng, inside=first.inside_spectra, settings=settings)
     return settled(template, part, labeling, queries)
 
 
 def mirrored_twin(
-    template: Template, part: PartData, queries: Queries, rng: np.random.Generator
+    template: Template,
+    part: PartData,
+    queries: Queries,
+    rng: np.random.Generator,
+    *,
+    settings: tuple[float, ...] = SETTINGS,
 ) -> Twin:
     """The best placement of the part's mirror image, as the left leg for the right."""
     image = mirrored(part)
-    labeling = anchored(template, image, rng)
+    labeling = anchored(template, image, rng, settings=settings)
     found = roughly_settled(template, image, labeling, mirrored_queries(queries))
     return Twin(image, found)

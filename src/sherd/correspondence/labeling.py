@@ -50,8 +50,11 @@ DETOUR, DETOUR_LIMIT, BRIDGE_WEIGHT = 1.35, 1.0, 1.0
 ANGLE_SIGMA = float(np.radians(30.0))
 ANGLE_REACH = 0.3
 ANGLE_WEIGHT = 0.5
-# What compares lengths and directions gets these together.
+# What compares lengths and directions gets these together. Where the scale is unknown, all lengths
+# may be too short by some percent, and longer ones must count as much as shorter ones: they tell
+# left from right.
 SETTINGS = (LENGTH_SIGMA, STRETCH_SIGMA, LIMIT, LONGER_LIMIT, ANGLE_SIGMA)
+EVEN_SETTINGS = (LENGTH_SIGMA, STRETCH_SIGMA, LIMIT, LIMIT, ANGLE_SIGMA)
 # How fast the belief in equal length fades once the path may have met the cut.
 CUT_FADE = 0.15
 CUT_SHARE = 0.6
@@ -81,6 +84,8 @@ class Problem:
         length of an edge between components is infinite.
     forbidden
         (k, s) bool, labels that a hint rules out.
+    settings
+        How lengths and directions are compared, see the same.
     """
 
     template: Template
@@ -89,6 +94,7 @@ class Problem:
     edges: Ints
     measures: Floats
     forbidden: NDArray[np.bool_]
+    settings: tuple[float, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,12 +122,14 @@ def make_problem(
     part: PartData,
     similarity: Singles,
     rng: np.random.Generator,
+    *,
+    settings: tuple[float, ...] = SETTINGS,
 ) -> Problem:
     """Choose the edges and their weights; labels that contradict the pins are forbidden."""
     edges = _edges(part, rng)
     measures = _measures(edges, part)
     forbidden = _contradicting(template, part)
-    return Problem(template, part, similarity, edges, measures, forbidden)
+    return Problem(template, part, similarity, edges, measures, forbidden, settings)
 
 
 def unary_cost(problem: Problem, labels: Ints, rotations: Floats, step: float) -> Floats:
@@ -149,7 +157,7 @@ def solve(problem: Problem, labels: Ints, rotations: Floats, *, step: float) -> 
     pairs = np.stack([angles[edges[:, 0], edges[:, 1]], angles[edges[:, 1], edges[:, 0]]], axis=1)
     shape = (template.label_to_label, template.label_headings)
     turns = rotations.astype(np.float32)
-    costs = labeling_costs(edges, problem.measures, labels, turns, pairs, shape, SETTINGS)
+    costs = labeling_costs(edges, problem.measures, labels, turns, pairs, shape, problem.settings)
     bridges = np.flatnonzero(~np.isfinite(problem.measures[:, 0]))
     costs[bridges] = _bridge_costs(problem, bridges, labels)
     unary = unary_cost(problem, labels, rotations, step).astype(np.float32)

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sherd.correspondence.anchors import find_anchors
-from sherd.correspondence.labeling import Labeling, Problem, make_problem
+from sherd.correspondence.labeling import EVEN_SETTINGS, Labeling, Problem, make_problem
 from sherd.correspondence.part_data import PartData, part_spectra, rescaled, trusted_by_cut
 from sherd.descriptors.rotation_shot import pooled_similarity
 from sherd.template import Template
@@ -70,7 +70,8 @@ def _trial(
     similarity = pooled_similarity(
         template.spectra, spectra, template.cells, len(template.label_vertices)
     )
-    problem = make_problem(template, data, similarity, np.random.default_rng(rng.integers(2**32)))
+    own_rng = np.random.default_rng(rng.integers(2**32))
+    problem = make_problem(template, data, similarity, own_rng, settings=EVEN_SETTINGS)
     labeling = find_anchors(problem, rounds=2)
     rows = np.arange(len(data.nodes))
     shifts = similarity.shape[2]

@@ -36,7 +36,7 @@ def covered_region(full: TriangleMesh, covered: Bools, area: float) -> tuple[Flo
     covered
         (n,) bool, vertices of whose area the image of the part covers at least half.
     area
-        Of the matched surface of the part, relative to the full shape.
+        What the region shall have: that of the covered vertices, less what is unmatched.
 
     Notes
     -----
