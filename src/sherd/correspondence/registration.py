@@ -176,8 +176,7 @@ def _relaxed(
 def elastic_strain(part: PartData, placement: Placement) -> Floats:
     """Relative strain (n',) at each vertex: 0 where the part moved rigidly, 0.1 is ten percent."""
     elastic = part.elastic
-    result: Floats = strains(
+    return strains(
         elastic.pointers, elastic.neighbors, elastic.weights, elastic.rest,
         placement.positions, placement.rotations,
     )  # fmt: skip
-    return result
