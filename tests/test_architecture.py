@@ -14,21 +14,26 @@ ROOT = Path(sherd.__file__).parent
 FLOORS = {
     "_version": 0,
     "errors": 1,
+    "arrays": 1,
     "output": 1,
     "threads": 1,
     "mesh": 2,
-    "spectral": 3,
-    "descriptors": 4,
-    "shapes": 4,
-    "template": 5,
-    "region": 6,
-    "correspondence": 6,
-    "match": 7,
-    "either_side": 8,
-    "report": 8,
-    "transfer": 8,
-    "benchmark": 9,
-    "cli": 10,
+    "files": 3,
+    "repair": 3,
+    "scan": 4,
+    "spectral": 5,
+    "descriptors": 6,
+    "energy": 6,
+    "shapes": 6,
+    "template": 7,
+    "region": 8,
+    "correspondence": 8,
+    "match": 9,
+    "either_side": 10,
+    "report": 10,
+    "transfer": 10,
+    "benchmark": 11,
+    "cli": 12,
 }
 LARGEST_FILE = 400
 
@@ -70,7 +75,9 @@ def test_every_room_has_a_floor() -> None:
 
 
 def test_files_stay_small() -> None:
-    lengths = {p.name: len(p.read_text(encoding="utf-8").splitlines()) for p in modules()}
+    lengths = {
+        str(p.relative_to(ROOT)): len(p.read_text(encoding="utf-8").splitlines()) for p in modules()
+    }
     assert {name: n for name, n in lengths.items() if n > LARGEST_FILE} == {}
 
 

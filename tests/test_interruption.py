@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from sherd.errors import OutputError
-from sherd.mesh.files import write_mesh
+from sherd.files.mesh_files import write_mesh
 from sherd.output import ResultFolder
 from sherd.report.folder import folder_problems
 from sherd.shapes.creature import creature

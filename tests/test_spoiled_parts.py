@@ -14,11 +14,12 @@ import trimesh
 from sherd.either_side import match_either_side
 from sherd.errors import InputError, InvalidMeshError
 from sherd.match import match
-from sherd.mesh.repair import repair
-from sherd.mesh.sides import side_is_unclear, turned_over
+from sherd.mesh.sides import turned_over
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.region.locate import locate
+from sherd.repair.repair import repair
+from sherd.repair.sides import side_is_unclear
 from sherd.shapes.creature import creature
 from sherd.shapes.fragment import (
     Fragment,

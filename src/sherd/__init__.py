@@ -20,6 +20,7 @@ from sherd._version import __version__
 if TYPE_CHECKING:
     from sherd.correspondence.point_map import PointMap
     from sherd.either_side import match_either_side
+    from sherd.energy.convergence import Convergence
     from sherd.errors import (
         InfeasibleError,
         InputError,
@@ -29,22 +30,22 @@ if TYPE_CHECKING:
         OutputError,
         SherdError,
     )
+    from sherd.files.cloud_files import read_scan
+    from sherd.files.mesh_files import read_mesh, write_mesh
     from sherd.match import Alternative, MatchOptions, MatchResult, MatchStatus, match
-    from sherd.mesh.cloud_files import read_part
-    from sherd.mesh.files import read_mesh, write_mesh
-    from sherd.mesh.inspection import MeshReport, inspect
-    from sherd.mesh.point_cloud import PointCloud, surface_of
-    from sherd.mesh.repair import RepairReport, repair
+    from sherd.mesh.point_cloud import PointCloud
     from sherd.mesh.surface_points import SurfacePoints
     from sherd.mesh.triangle_mesh import TriangleMesh
     from sherd.region.locate import locate
     from sherd.region.options import LocateOptions
     from sherd.region.region import Placement, Region
-    from sherd.region.status import Status
+    from sherd.repair.inspection import MeshReport, inspect
+    from sherd.repair.repair import RepairReport, repair
     from sherd.report.match_report import write_match_report
     from sherd.report.notebook import plot, show
     from sherd.report.region_report import write_region_report
     from sherd.report.stored_match import read_match
+    from sherd.scan.surface_from_points import surface_from_points
     from sherd.shapes.creature import creature, landmarks
     from sherd.shapes.fragment import Fragment, cut_by_ball, cut_by_plane, remeshed, whole
     from sherd.template import Template
@@ -69,16 +70,16 @@ _HOMES = {
     "MatchResult": "sherd.match",
     "MatchStatus": "sherd.match",
     "MeshFileError": "sherd.errors",
-    "MeshReport": "sherd.mesh.inspection",
+    "MeshReport": "sherd.repair.inspection",
     "OptionError": "sherd.errors",
     "OutputError": "sherd.errors",
     "Placement": "sherd.region.region",
     "PointCloud": "sherd.mesh.point_cloud",
     "PointMap": "sherd.correspondence.point_map",
     "Region": "sherd.region.region",
-    "RepairReport": "sherd.mesh.repair",
+    "RepairReport": "sherd.repair.repair",
     "SherdError": "sherd.errors",
-    "Status": "sherd.region.status",
+    "Convergence": "sherd.energy.convergence",
     "SurfacePoints": "sherd.mesh.surface_points",
     "Template": "sherd.template",
     "TriangleMesh": "sherd.mesh.triangle_mesh",
@@ -87,7 +88,7 @@ _HOMES = {
     "cut_by_plane": "sherd.shapes.fragment",
     "field_to_full": "sherd.transfer",
     "field_to_part": "sherd.transfer",
-    "inspect": "sherd.mesh.inspection",
+    "inspect": "sherd.repair.inspection",
     "labels_to_full": "sherd.transfer",
     "labels_to_part": "sherd.transfer",
     "landmarks": "sherd.shapes.creature",
@@ -98,20 +99,21 @@ _HOMES = {
     "match_either_side": "sherd.either_side",
     "plot": "sherd.report.notebook",
     "read_match": "sherd.report.stored_match",
-    "read_mesh": "sherd.mesh.files",
-    "read_part": "sherd.mesh.cloud_files",
+    "read_mesh": "sherd.files.mesh_files",
+    "read_scan": "sherd.files.cloud_files",
     "remeshed": "sherd.shapes.fragment",
-    "repair": "sherd.mesh.repair",
+    "repair": "sherd.repair.repair",
     "show": "sherd.report.notebook",
-    "surface_of": "sherd.mesh.point_cloud",
+    "surface_from_points": "sherd.scan.surface_from_points",
     "whole": "sherd.shapes.fragment",
     "write_match_report": "sherd.report.match_report",
-    "write_mesh": "sherd.mesh.files",
+    "write_mesh": "sherd.files.mesh_files",
     "write_region_report": "sherd.report.region_report",
 }
 
 __all__ = [
     "Alternative",
+    "Convergence",
     "Fragment",
     "InfeasibleError",
     "InputError",
@@ -130,7 +132,6 @@ __all__ = [
     "Region",
     "RepairReport",
     "SherdError",
-    "Status",
     "SurfacePoints",
     "Template",
     "TriangleMesh",
@@ -152,11 +153,11 @@ __all__ = [
     "plot",
     "read_match",
     "read_mesh",
-    "read_part",
+    "read_scan",
     "remeshed",
     "repair",
     "show",
-    "surface_of",
+    "surface_from_points",
     "whole",
     "write_match_report",
     "write_mesh",

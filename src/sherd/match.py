@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from sherd._version import __version__
+from sherd.arrays import Bools, Floats, Ints, frozen
 from sherd.correspondence.confidence import (
     LEAST,
     confidence_features,
@@ -29,7 +30,6 @@ from sherd.correspondence.scale import LARGEST, LARGEST_AREA, estimated_scale
 from sherd.errors import InfeasibleError, OptionError
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
-from sherd.mesh.validate import frozen
 from sherd.output import Stages
 from sherd.region.coverage import covered_region
 from sherd.template import Template, refuse_tiny_part
@@ -44,9 +44,6 @@ __all__ = [
     "match",
 ]
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Bools = NDArray[np.bool_]
 
 # A twin whose score is this close to the best could be the right one without its handedness.
 PLAUSIBLE = 0.1

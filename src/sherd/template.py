@@ -11,9 +11,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from sherd.arrays import Bools, Floats, Ints, Singles
 from sherd.descriptors.rotation_shot import rotation_spectra
 from sherd.descriptors.tangent_frames import geodesic_directions, smoothed_normals, tangent_axes
 from sherd.errors import InfeasibleError, MeshFileError
@@ -37,9 +37,6 @@ __all__ = [
     "working_mesh",
 ]
 
-Floats = NDArray[np.float64]
-Singles = NDArray[np.float32]
-Ints = NDArray[np.int64]
 
 # All lengths are in units of sqrt(area of the full shape).
 # Neighborhoods from the smallest that holds some 40 vertices of a 10,000-vertex mesh to the
@@ -242,7 +239,7 @@ class Template:
         """(5, n, 2 c) rotation-searched SHOT of every vertex."""
         return self._spectra_of(np.arange(self.unit.vertex_count), self.unit.vertex_areas)
 
-    def spectra_within(self, mask: NDArray[np.bool_]) -> Singles:
+    def spectra_within(self, mask: Bools) -> Singles:
         """Spectra as a part sees them that covers `mask` (n,): only the area inside counts.
 
         Vertices outside keep their ordinary spectra.

@@ -11,6 +11,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from sherd.arrays import Bools, Floats, Ints
 from sherd.correspondence.point_map import PointMap
 from sherd.errors import InvalidMeshError
 from sherd.mesh.surface_points import SurfacePoints, closest_points
@@ -27,8 +28,6 @@ __all__ = [
     "nearest_part_points",
 ]
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 # A point of the full shape has a partner on the part if the part's image passes within this many
 # mean edges of it: the image of a part meshed as densely leaves no wider gaps inside the region.
@@ -115,7 +114,7 @@ def landmarks_to_part(result: Matched, vertices: ArrayLike) -> tuple[SurfacePoin
     return points, distances / result.full.length
 
 
-def nearest_part_points(result: Matched) -> tuple[SurfacePoints, NDArray[np.bool_]]:
+def nearest_part_points(result: Matched) -> tuple[SurfacePoints, Bools]:
     """For each vertex of the full shape the point of the part whose image is nearest.
 
     The second array (n_full,) is True where that image is near enough to be a partner.
@@ -143,7 +142,7 @@ def _on_image(result: Matched, positions: Floats) -> tuple[SurfacePoints, Floats
 TEAR = 3.0
 
 
-def _torn(result: Matched, image: TriangleMesh) -> NDArray[np.bool_]:
+def _torn(result: Matched, image: TriangleMesh) -> Bools:
     def longest(mesh: TriangleMesh) -> Floats:
         corners = mesh.vertices[mesh.faces]
         sides: Floats = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)
@@ -151,7 +150,7 @@ def _torn(result: Matched, image: TriangleMesh) -> NDArray[np.bool_]:
         return lengths
 
     before = np.maximum(longest(result.part) * result.scale, 0.25 * image.mean_edge_length)
-    torn: NDArray[np.bool_] = longest(image) > TEAR * before
+    torn: Bools = longest(image) > TEAR * before
     return torn
 
 

@@ -20,8 +20,8 @@ from sherd.benchmark.random_cuts import CUTS, random_cut
 from sherd.benchmark.smal import smal_benchmark, smal_pairs
 from sherd.cli.main import main
 from sherd.errors import InputError, MeshFileError, OptionError
+from sherd.files.mesh_files import write_mesh
 from sherd.match import MatchOptions
-from sherd.mesh.files import write_mesh
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.shapes.creature import creature

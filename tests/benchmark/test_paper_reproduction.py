@@ -6,19 +6,23 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sherd.benchmark import paper, paper_figures, paper_scenes, paper_studies, paper_timing
-from sherd.benchmark.paper_witness import (
+from sherd.benchmark.paper import figures as paper_figures
+from sherd.benchmark.paper import run as paper
+from sherd.benchmark.paper import scenes as paper_scenes
+from sherd.benchmark.paper import studies as paper_studies
+from sherd.benchmark.paper import timing as paper_timing
+from sherd.benchmark.paper.witness import (
     clarabel_dense,
     piqp_all_vertex,
     piqp_dense,
     witnesses_installed,
 )
+from sherd.energy.all_vertices import full_membership_quadratic
+from sherd.energy.solvers import active_set
+from sherd.energy.structured import solve_structured
+from sherd.energy.subspace import basis_rows, membership_quadratic
 from sherd.errors import InfeasibleError, OptionError
-from sherd.mesh.files import write_mesh
-from sherd.region.full import full_membership_quadratic
-from sherd.region.solvers import active_set
-from sherd.region.structured import solve_structured
-from sherd.region.subspace import basis_rows, membership_quadratic
+from sherd.files.mesh_files import write_mesh
 
 pytest.importorskip("matplotlib")
 

@@ -22,7 +22,7 @@ from sherd.benchmark.metrics import (
 )
 from sherd.benchmark.shrec16 import shrec16_benchmark
 from sherd.errors import OptionError
-from sherd.mesh.files import write_mesh
+from sherd.files.mesh_files import write_mesh
 from sherd.mesh.surface_points import SurfacePoints, closest_points, points_at_vertices
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.shapes.creature import creature

@@ -15,7 +15,7 @@ from click.testing import CliRunner
 from PIL import Image
 
 from sherd.cli.main import COMMANDS, main
-from sherd.mesh.files import write_mesh
+from sherd.files.mesh_files import write_mesh
 from sherd.shapes.creature import creature, landmarks
 from sherd.shapes.fragment import cut_by_ball, whole
 from sherd.spectral.sampling import decimate

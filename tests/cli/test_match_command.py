@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sherd.mesh.files import read_mesh, write_mesh
+from sherd.files.mesh_files import read_mesh, write_mesh
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.report.folder import folder_problems
 from sherd.shapes.creature import creature, landmarks

@@ -8,7 +8,7 @@ import trimesh
 from scipy.spatial.transform import Rotation
 
 from sherd.correspondence.covered_vertices import covered_vertices
-from sherd.correspondence.elastic import fit_rotations, relax_positions, strains
+from sherd.correspondence.elastic_kernel import fit_rotations, relax_positions, strains
 from sherd.mesh.surface_finder import SurfaceFinder
 from sherd.mesh.surface_points import closest_points
 from sherd.mesh.triangle_mesh import TriangleMesh

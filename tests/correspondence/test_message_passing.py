@@ -6,7 +6,7 @@ import itertools
 
 import numpy as np
 
-from sherd.correspondence.message_passing import labeling_costs, pass_messages
+from sherd.correspondence.message_passing_kernel import labeling_costs, pass_messages
 
 
 def incidence(edges: np.ndarray, nodes: int) -> tuple[np.ndarray, np.ndarray]:

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from sherd.descriptors.field import Surface
-from sherd.descriptors.heat_kernel import (
+from sherd.descriptors.heat_kernel_signature import (
     HeatKernel,
     automatic_times,
     boundary_affected,
     heat_kernel_signature,
 )
-from sherd.descriptors.wave_kernel import WaveKernel, wave_kernel_signature
+from sherd.descriptors.wave_kernel_signature import WaveKernel, wave_kernel_signature
 from sherd.errors import OptionError
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.spectral.basis import eigenbasis

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from sherd.energy.cleanup import raised_to_area
 from sherd.mesh.triangle_mesh import TriangleMesh
-from sherd.region.cleanup import raised_to_area
 from sherd.region.coverage import covered_region
 from sherd.shapes.creature import creature
 

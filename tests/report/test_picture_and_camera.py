@@ -16,7 +16,7 @@ from sherd.report.camera import best_view, orbit_view, orientation, upward
 from sherd.report.color_bar import ticks
 from sherd.report.exhibit import Exhibit, Layer
 from sherd.report.picture import picture, png_bytes, stage, write_picture
-from sherd.report.raster import covered_faces, shaded_image
+from sherd.report.raster_kernel import covered_faces, shaded_image
 
 
 def test_rasterizer_covers_the_exact_area_and_keeps_the_nearest():

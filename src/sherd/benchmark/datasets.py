@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from sherd.arrays import Floats
 from sherd.benchmark.pairs import Pair
 from sherd.errors import MeshFileError
-from sherd.mesh.files import read_mesh
+from sherd.files.mesh_files import read_mesh
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
 
@@ -90,7 +90,7 @@ def shrec16_pairs(
 
 def _truth(path: Path, full: TriangleMesh, part: TriangleMesh) -> SurfacePoints:
     try:
-        table: NDArray[np.float64] = np.loadtxt(path, ndmin=2)
+        table: Floats = np.loadtxt(path, ndmin=2)
     except (OSError, ValueError) as error:
         raise MeshFileError(f"{path}: cannot be read as ground truth ({error})") from error
     if table.shape != (part.vertex_count, 4):

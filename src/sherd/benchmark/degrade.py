@@ -17,14 +17,15 @@ import numpy as np
 
 from sherd._version import __version__
 from sherd.benchmark.metrics import GroundTruthDistances
-from sherd.benchmark.paper_drawing import check_plotting, draw_curves
+from sherd.benchmark.paper.drawing import check_plotting, draw_curves
 from sherd.either_side import match_either_side
 from sherd.match import MatchResult, match
-from sherd.mesh.point_cloud import PointCloud, surface_of
-from sherd.mesh.repair import repair
-from sherd.mesh.sides import side_is_unclear
+from sherd.mesh.point_cloud import PointCloud
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.output import write_text
+from sherd.repair.repair import repair
+from sherd.repair.sides import side_is_unclear
+from sherd.scan.surface_from_points import surface_from_points
 from sherd.shapes.creature import creature
 from sherd.shapes.fragment import (
     Fragment,
@@ -76,7 +77,7 @@ def _cloud(fragment: Fragment, level: float, rng: np.random.Generator) -> Fragme
         return fragment
     shuffled = reordered(fragment, rng)
     normals = shuffled.mesh.vertex_normals if level < 2 else None
-    return replace(shuffled, mesh=surface_of(PointCloud(shuffled.mesh.vertices, normals)))
+    return replace(shuffled, mesh=surface_from_points(PointCloud(shuffled.mesh.vertices, normals)))
 
 
 def _noisy_cloud(fragment: Fragment, level: float, rng: np.random.Generator) -> Fragment:

@@ -8,21 +8,20 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from sherd.arrays import Ints
 from sherd.benchmark.landmark_truth import landmark_map
 from sherd.benchmark.match_benchmark import match_benchmark
 from sherd.benchmark.match_row import BenchmarkSettings
 from sherd.benchmark.pairs import Pair, seed_of
 from sherd.benchmark.random_cuts import CUTS, random_cut
 from sherd.errors import MeshFileError
-from sherd.mesh.files import read_mesh
+from sherd.files.mesh_files import read_mesh
 from sherd.mesh.surface_points import SurfacePoints, closest_points
 from sherd.mesh.triangle_mesh import TriangleMesh
 
 __all__ = ["PersonPair", "faust_benchmark", "faust_pairs"]
 
-Ints = NDArray[np.int64]
 
 BODY_NAME = re.compile(r"tr_reg_(\d+)(\d)")
 

@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 
+from sherd.arrays import Ints
 from sherd.errors import InputError
 from sherd.mesh.surface_points import SurfacePoints, closest_points
 from sherd.mesh.triangle_mesh import TriangleMesh
 
 __all__ = ["landmark_map"]
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 # Vertices with landmarks that a similarity is fitted to: three are needed, twice as many are never
 # all on a line.

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from sherd.benchmark.paper_drawing import check_plotting, draw_curves
+from sherd.benchmark.paper.drawing import check_plotting, draw_curves
 from sherd.output import write_text
 
 __all__ = ["write_benchmark_page"]

@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.stats import rankdata
 
+from sherd.arrays import Bools, Floats
 from sherd.benchmark.metrics import (
     GroundTruthDistances,
     cumulative_curve,
@@ -21,18 +21,17 @@ from sherd.benchmark.metrics import (
 from sherd.benchmark.pairs import Pair, PairSource, rotated, seed_of
 from sherd.either_side import match_either_side
 from sherd.errors import InfeasibleError
+from sherd.files.mesh_files import read_mesh
 from sherd.match import MatchOptions, MatchResult, match
-from sherd.mesh.files import read_mesh
-from sherd.mesh.point_cloud import PointCloud, surface_of
+from sherd.mesh.point_cloud import PointCloud
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.output import Stages
+from sherd.scan.surface_from_points import surface_from_points
 from sherd.shapes.truth import true_region
 from sherd.template import Template
 
 __all__ = ["BAD", "NEAR", "THRESHOLDS", "BenchmarkSettings", "MatchRow", "measured"]
 
-Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
 
 # Errors at which the cumulative curve is kept, in sqrt(area): 0 to 0.25 as in the literature.
 THRESHOLDS = np.round(np.linspace(0.0, 0.25, 51), 3)
@@ -220,7 +219,7 @@ def _presented(
     """The part as the method sees it, and the factor that would undo its scaling."""
     shown = rotated(part, seed) if settings.rotate else part
     if settings.points:
-        shown = surface_of(PointCloud(shown.vertices, name=shown.name))
+        shown = surface_from_points(PointCloud(shown.vertices, name=shown.name))
     if not settings.unknown_scale:
         return shown, 1.0
     factor = float(np.exp(np.random.default_rng(seed).uniform(-np.log(2), np.log(2))))

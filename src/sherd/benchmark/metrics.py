@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from sherd.arrays import Bools, Floats, Singles
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.spectral.geodesics import Geodesics
@@ -16,9 +16,6 @@ __all__ = [
     "vertex_mask",
 ]
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Bools = NDArray[np.bool_]
 
 # Below this many edge lengths between true and given point the straight chord is the distance.
 CHORD_REACH = 4.0
@@ -37,7 +34,7 @@ class GroundTruthDistances:
     def __init__(self, full: TriangleMesh) -> None:
         self._full = full
         self._geodesics = Geodesics(full)
-        self._rows: dict[int, NDArray[np.float32]] = {}
+        self._rows: dict[int, Singles] = {}
 
     def between(self, truth: SurfacePoints, answer: SurfacePoints) -> Floats:
         """Distance (p,) between corresponding points."""
@@ -61,7 +58,7 @@ class GroundTruthDistances:
                 distance[rows] += weight * (length * answer.barycentric[rows]).sum(axis=1)
         return distance / full.length
 
-    def _row(self, vertex: int) -> NDArray[np.float32]:
+    def _row(self, vertex: int) -> Singles:
         if vertex not in self._rows:
             row = self._geodesics.distances_from([vertex])[0]
             reached = row[np.isfinite(row)].max(initial=0.0)

@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from sherd.arrays import Bools
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
 
@@ -35,7 +35,7 @@ class Pair:
     part: TriangleMesh
     truth: SurfacePoints
     mirrored_truth: SurfacePoints | None
-    present: NDArray[np.bool_] | None = None
+    present: Bools | None = None
 
 
 class PairSource(Protocol):

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from sherd.arrays import Floats
 from sherd.errors import InfeasibleError, OptionError
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.shapes.clip import clip
@@ -14,7 +14,6 @@ from sherd.spectral.sampling import farthest_point_sample
 
 __all__ = ["CUTS", "random_cut"]
 
-Floats = NDArray[np.float64]
 
 CUTS = ("balls", "halves", "limbs off")
 # Share of the body's area that a part has.

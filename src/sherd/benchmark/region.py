@@ -8,9 +8,9 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sherd._version import __version__
+from sherd.arrays import Bools
 from sherd.benchmark.datasets import shrec16_pairs
 from sherd.benchmark.metrics import region_overlap
 from sherd.benchmark.pairs import Pair, rotated
@@ -21,8 +21,6 @@ from sherd.region.options import LocateOptions
 from sherd.shapes.truth import true_region
 
 __all__ = ["RegionRow", "region_benchmark", "region_table"]
-
-Bools = NDArray[np.bool_]
 
 
 @dataclass(frozen=True)

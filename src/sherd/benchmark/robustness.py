@@ -23,7 +23,7 @@ from typing import Any, Literal
 
 from sherd._version import __version__
 from sherd.errors import SherdError
-from sherd.mesh.files import read_mesh
+from sherd.files.mesh_files import read_mesh
 from sherd.output import write_text
 from sherd.report.folder import folder_problems
 

@@ -19,9 +19,9 @@ import numpy as np
 
 from sherd._version import __version__
 from sherd.benchmark.metrics import GroundTruthDistances
-from sherd.benchmark.paper_drawing import check_plotting, draw_curves
+from sherd.benchmark.paper.drawing import check_plotting, draw_curves
 from sherd.errors import SherdError
-from sherd.mesh.files import write_mesh
+from sherd.files.mesh_files import write_mesh
 from sherd.mesh.surface_points import SurfacePoints, closest_points
 from sherd.output import write_text
 from sherd.shapes.creature import SMALLEST, creature

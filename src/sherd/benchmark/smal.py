@@ -8,18 +8,17 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from sherd.arrays import Ints
 from sherd.benchmark.match_benchmark import match_benchmark
 from sherd.benchmark.match_row import BenchmarkSettings
 from sherd.benchmark.pairs import Pair
 from sherd.errors import MeshFileError
-from sherd.mesh.files import read_mesh
+from sherd.files.mesh_files import read_mesh
 from sherd.mesh.surface_points import points_at_vertices
 
 __all__ = ["AnimalParts", "smal_benchmark", "smal_pairs"]
 
-Ints = NDArray[np.int64]
 
 MAP_NAME = re.compile(r"(\w+?_\d+_([a-z]+)_\d+)_(\w+?_\d+_([a-z]+)_\d+)")
 

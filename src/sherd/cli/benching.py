@@ -8,13 +8,13 @@ from pathlib import Path
 import click
 
 from sherd.benchmark.degrade import KINDS, degrade_benchmark, degrade_table
-from sherd.benchmark.paper import paper_figures, paper_summary
+from sherd.benchmark.paper.run import paper_figures, paper_summary
 from sherd.benchmark.region import region_benchmark, region_table
 from sherd.benchmark.robustness import RobustnessRow, robustness, robustness_commands
 from sherd.benchmark.size import SIZES, size_benchmark, size_table
 from sherd.cli.bench_match import faust_command, shrec16_command, smal_command
 from sherd.cli.exits import INTERNAL
-from sherd.mesh.files import write_mesh
+from sherd.files.mesh_files import write_mesh
 from sherd.output import Stages
 from sherd.region.options import METHODS, LocateOptions
 from sherd.shapes.creature import creature

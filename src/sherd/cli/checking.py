@@ -9,9 +9,9 @@ import click
 
 from sherd.cli.exits import INVALID_INPUT
 from sherd.errors import InputError
-from sherd.mesh.files import read_mesh_with_notices, write_mesh
-from sherd.mesh.inspection import inspect
-from sherd.mesh.repair import repair
+from sherd.files.mesh_files import read_mesh_with_notices, write_mesh
+from sherd.repair.inspection import inspect
+from sherd.repair.repair import repair
 
 __all__ = ["check_command"]
 

@@ -10,8 +10,8 @@ import numpy as np
 from sherd.benchmark.metrics import GroundTruthDistances, region_overlap
 from sherd.cli.inputs import prepared_mesh
 from sherd.cli.matching import STAGE_COUNT, match_and_write, match_summary
+from sherd.files.mesh_files import write_mesh
 from sherd.match import MatchOptions
-from sherd.mesh.files import write_mesh
 from sherd.output import Stages
 from sherd.shapes.creature import creature, landmarks
 from sherd.shapes.fragment import Fragment, cut_by_ball, moved, remeshed, whole

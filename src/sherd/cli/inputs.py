@@ -9,12 +9,13 @@ from pathlib import Path
 
 import click
 
-from sherd.mesh.cloud_files import read_points
-from sherd.mesh.files import read_mesh_with_notices
-from sherd.mesh.point_cloud import surface_of
-from sherd.mesh.repair import RepairReport, repair
-from sherd.mesh.sides import side_is_unclear, turned_over
+from sherd.files.cloud_files import read_points
+from sherd.files.mesh_files import read_mesh_with_notices
+from sherd.mesh.sides import turned_over
 from sherd.mesh.triangle_mesh import TriangleMesh
+from sherd.repair.repair import RepairReport, repair
+from sherd.repair.sides import side_is_unclear
+from sherd.scan.surface_from_points import surface_from_points
 
 __all__ = ["PreparedMesh", "command_line", "prepared_mesh", "prepared_part", "show_notices"]
 
@@ -46,7 +47,7 @@ def prepared_part(path: Path) -> PreparedMesh:
     if part is None:
         mesh = prepared_mesh(path)
         return replace(mesh, one_sided=side_is_unclear(mesh.repaired, mesh.report))
-    original = surface_of(part)
+    original = surface_from_points(part)
     repaired, report = repair(original)
     known = part.normals is not None
     said = (

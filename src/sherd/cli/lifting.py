@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from sherd.arrays import Ints
 from sherd.cli.inputs import PreparedMesh
 from sherd.correspondence.point_map import PointMap
 from sherd.errors import InputError
@@ -16,8 +16,6 @@ from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
 
 __all__ = ["as_read", "original_points", "repaired_vertices"]
-
-Ints = NDArray[np.int64]
 
 
 def repaired_vertices(prepared: PreparedMesh, vertices: Ints, *, what: str) -> Ints:

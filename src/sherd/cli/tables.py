@@ -6,15 +6,14 @@ import csv
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from sherd.arrays import Floats, Ints
 from sherd.errors import InputError
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
 
 __all__ = ["columns_of", "numbers_of", "read_ground_truth", "read_ignored", "read_landmarks"]
 
-Ints = NDArray[np.int64]
 
 LARGEST_WHOLE = 2.0**53  # beyond it float64 skips whole numbers
 
@@ -101,7 +100,7 @@ def _integers(path: Path, columns: dict[str, list[str]], name: str) -> Ints:
     return whole
 
 
-def numbers_of(path: Path, columns: dict[str, list[str]], name: str) -> NDArray[np.float64]:
+def numbers_of(path: Path, columns: dict[str, list[str]], name: str) -> Floats:
     """One column as finite numbers.
 
     Raises

@@ -8,9 +8,10 @@ import click
 import numpy as np
 from numpy.typing import NDArray
 
+from sherd.arrays import Floats
 from sherd.cli.tables import columns_of, numbers_of
 from sherd.errors import InputError
-from sherd.mesh.files import read_mesh, write_mesh
+from sherd.files.mesh_files import read_mesh, write_mesh
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.output import write_text
@@ -72,9 +73,7 @@ def transfer_command(
     return 0
 
 
-def _carried(
-    stored: StoredMatch, array: NDArray[np.float64], *, to: str, labels: bool
-) -> NDArray[np.generic]:
+def _carried(stored: StoredMatch, array: Floats, *, to: str, labels: bool) -> NDArray[np.generic]:
     if labels:
         return labels_to_part(stored, array) if to == "part" else labels_to_full(stored, array)
     return field_to_part(stored, array) if to == "part" else field_to_full(stored, array)
@@ -112,7 +111,7 @@ def _landmark_text(
     names: list[str],
     mesh: TriangleMesh,
     points: SurfacePoints,
-    misses: NDArray[np.float64] | None,
+    misses: Floats | None,
 ) -> str:
     positions = points.positions(mesh)
     table = {

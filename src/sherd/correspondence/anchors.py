@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse import csgraph
 
-from sherd.correspondence.guided import best_placed, guided_turns
+from sherd.arrays import Bools, Floats, Ints, Singles
+from sherd.correspondence.guided_kernel import best_placed, guided_turns
 from sherd.correspondence.labeling import (
     CUT_TRUST,
     SIMILARITY_LIMIT,
@@ -20,9 +20,6 @@ from sherd.correspondence.labeling import (
 
 __all__ = ["find_anchors", "grown"]
 
-Floats = NDArray[np.float64]
-Singles = NDArray[np.float32]
-Ints = NDArray[np.int64]
 
 # The right label is among the 30 most similar of 1,200 for nine nodes in ten of real cuts.
 CANDIDATES = 30
@@ -68,7 +65,7 @@ def find_anchors(
 def grown(
     problem: Problem,
     labeling: Labeling,
-    kept: NDArray[np.bool_],
+    kept: Bools,
     *,
     step: float = SIMILARITY_STEP,
 ) -> Labeling:
@@ -146,18 +143,18 @@ def _proposals(problem: Problem, labeling: Labeling) -> tuple[Ints, Floats]:
     return labels, rotations
 
 
-def _far_from_cut(problem: Problem) -> NDArray[np.bool_]:
+def _far_from_cut(problem: Problem) -> Bools:
     """Nodes whose neighborhoods the cut leaves whole, up to the middle radius.
 
     A shred along the cut looks like no place on the full shape and bends in its own plane at little
     cost, so it may lie folded aside, consistent with itself and with its stump. Grown from inside,
     it follows the directions of geodesics instead.
     """
-    far: NDArray[np.bool_] = problem.part.cut_distance[problem.part.nodes] >= CUT_TRUST
+    far: Bools = problem.part.cut_distance[problem.part.nodes] >= CUT_TRUST
     return far
 
 
-def _core(problem: Problem, labeling: Labeling) -> NDArray[np.bool_]:
+def _core(problem: Problem, labeling: Labeling) -> Bools:
     """Nodes of the largest component of mutually consistent nodes."""
     labels, rotations = labeling.labels, labeling.rotations
     template, between = problem.template, problem.part.between
@@ -179,7 +176,7 @@ def _core(problem: Problem, labeling: Labeling) -> NDArray[np.bool_]:
     joined = sparse.csr_array(agree & core[:, None] & core[None, :])
     _, component = csgraph.connected_components(joined, directed=False)
     main = np.bincount(component[core]).argmax()
-    result: NDArray[np.bool_] = core & (component == main)
+    result: Bools = core & (component == main)
     return result
 
 

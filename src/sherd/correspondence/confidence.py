@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from sherd.arrays import Bools, Floats
 from sherd.correspondence.hypothesis import Hypothesis, Queries
 from sherd.correspondence.part_data import PartData
 from sherd.correspondence.registration import Placement
@@ -21,7 +21,6 @@ __all__ = [
     "matched_vertices",
 ]
 
-Floats = NDArray[np.float64]
 
 FEATURES = ("one", "lack of similarity", "strain", "disagreement", "whole lack", "whole strain")
 # Fitted on nine parts of three animated animals (cat, lion, horse; cuts and holes, meshed anew),
@@ -75,13 +74,13 @@ def confidences(features: Floats) -> Floats:
     return result
 
 
-def matched_vertices(features: Floats) -> NDArray[np.bool_]:
+def matched_vertices(features: Floats) -> Bools:
     """False where surroundings are unlike and torn: the full shape has no such point."""
-    unlike: NDArray[np.bool_] = (features[:, 1] > UNLIKE) & (features[:, 2] > TORN)
+    unlike: Bools = (features[:, 1] > UNLIKE) & (features[:, 2] > TORN)
     return ~unlike
 
 
-def foreign_vertices(part: PartData, queries: Queries, best: Hypothesis) -> NDArray[np.bool_]:
+def foreign_vertices(part: PartData, queries: Queries, best: Hypothesis) -> Bools:
     """The vertices (n',) of the part itself whose component fits nowhere: clutter.
 
     All components are placed together, so one that has no place is laid somewhere all the same,
@@ -98,9 +97,7 @@ def foreign_vertices(part: PartData, queries: Queries, best: Hypothesis) -> NDAr
     score = similarity / np.maximum(asked, 1) - 0.5 * strain / np.maximum(total, 1e-300)
     foreign = (asked > 0) & (score < FOREIGN * score[total.argmax()])
     own = part.own_vertices
-    result: NDArray[np.bool_] = foreign[
-        labels if own is None else labels[own.nearest_vertices(part.mesh)]
-    ]
+    result: Bools = foreign[labels if own is None else labels[own.nearest_vertices(part.mesh)]]
     return result
 
 

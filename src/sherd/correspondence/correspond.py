@@ -8,8 +8,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from sherd.arrays import Singles
 from sherd.correspondence.anchors import find_anchors
 from sherd.correspondence.hypothesis import (
     Hypothesis,
@@ -31,7 +31,6 @@ from sherd.template import Template
 
 __all__ = ["Twin", "anchored", "looked_again", "mirrored_twin"]
 
-Singles = NDArray[np.float32]
 
 # Once the region is known, neighborhoods agree better, and lack of similarity says more.
 SECOND_STEP = 0.5 * SIMILARITY_STEP

@@ -6,17 +6,15 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 from scipy.spatial import cKDTree
 
+from sherd.arrays import Floats, Ints
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.spectral.operators import stiffness
 
 __all__ = ["ElasticSurface", "elastic_surface"]
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 # Cotangent weights; an equilateral triangle has 0.58, slivers have anything.
 LEAST, MOST = 0.05, 5.0

@@ -5,10 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from sherd.arrays import Bools, Floats, Ints, Singles
 from sherd.correspondence.covered_vertices import covered_vertices
-from sherd.correspondence.dense import trilaterated
 from sherd.correspondence.labeling import Labeling
 from sherd.correspondence.part_data import (
     PartData,
@@ -24,6 +23,7 @@ from sherd.correspondence.registration import (
     pulled_together,
 )
 from sherd.correspondence.similar_places import Look, similar_places
+from sherd.correspondence.trilateration import trilaterated
 from sherd.descriptors.rotation_shot import mirrored_spectra
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.template import Template
@@ -37,9 +37,6 @@ __all__ = [
     "settled",
 ]
 
-Floats = NDArray[np.float64]
-Singles = NDArray[np.float32]
-Ints = NDArray[np.int64]
 
 # Vertices that look for similar neighborhoods; the elasticity carries the others along.
 QUERY_COUNT = 3000
@@ -87,7 +84,7 @@ class Hypothesis:
     labeling: Labeling
     placement: Placement
     points: SurfacePoints
-    mask: NDArray[np.bool_]
+    mask: Bools
     inside_spectra: Singles
     similarity: Floats
     strain: Floats
@@ -167,7 +164,7 @@ def _judged(
     )
 
 
-def _covered(template: Template, placement: Placement, part: PartData) -> NDArray[np.bool_]:
+def _covered(template: Template, placement: Placement, part: PartData) -> Bools:
     """The vertices (n,) of the full shape that the part covers."""
     positions, faces = placement.positions, part.mesh.faces
     known = template.own_vertices
@@ -176,5 +173,5 @@ def _covered(template: Template, placement: Placement, part: PartData) -> NDArra
     # sampling the part for a million vertices would cost more than all the rest
     seen = covered_vertices(template.finder, positions, faces)
     share = known.interpolate(template.unit, seen.astype(np.float64))
-    inside: NDArray[np.bool_] = (share >= 0.5) & (template.placed.vertex_areas > 0)
+    inside: Bools = (share >= 0.5) & (template.placed.vertex_areas > 0)
     return inside

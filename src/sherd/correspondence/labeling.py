@@ -15,17 +15,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from sherd.correspondence.message_passing import labeling_costs, pass_messages
+from sherd.arrays import Bools, Floats, Ints, Singles
+from sherd.correspondence.message_passing_kernel import labeling_costs, pass_messages
 from sherd.correspondence.part_data import PartData
 from sherd.template import Template
 
 __all__ = ["Labeling", "Problem", "make_problem", "solve", "unary_cost"]
 
-Floats = NDArray[np.float64]
-Singles = NDArray[np.float32]
-Ints = NDArray[np.int64]
 
 # Each node is tied to its near neighbors, which carry the shape, and to some farther away, which
 # carry the layout; all pairs would be twenty times as many.
@@ -80,8 +77,9 @@ class Problem:
     similarity
         (k, s, r) float32 similarity of node and label at each of r rotations.
     edges, measures
-        (e, 2) and (e, 5), see :func:`sherd.correspondence.message_passing.labeling_costs`; the
-        length of an edge between components is infinite.
+        (e, 2) and (e, 5), see
+        :func:`sherd.correspondence.message_passing_kernel.labeling_costs`; the length of an edge
+        between components is infinite.
     forbidden
         (k, s) bool, labels that a hint rules out.
     settings
@@ -93,7 +91,7 @@ class Problem:
     similarity: Singles
     edges: Ints
     measures: Floats
-    forbidden: NDArray[np.bool_]
+    forbidden: Bools
     settings: tuple[float, ...]
 
 
@@ -191,7 +189,7 @@ def _edges(part: PartData, rng: np.random.Generator) -> Ints:
     return np.stack([first, second], axis=1)
 
 
-def _bridges(part: PartData) -> NDArray[np.bool_]:
+def _bridges(part: PartData) -> Bools:
     """Pairs (k, k) of nodes in different components: the nearest, and some of all distances.
 
     Nodes of crumbs, which have few neighbors in their own component, take more of the nearest.
@@ -255,7 +253,7 @@ def _local_cost(problem: Problem, paid: Floats) -> Floats:
     return result
 
 
-def _contradicting(template: Template, part: PartData) -> NDArray[np.bool_]:
+def _contradicting(template: Template, part: PartData) -> Bools:
     """Labels (k, s) farther from a pinned place than the node is from the pinned vertex.
 
     A path on the part is a path on the full shape, so distances on the full shape are not longer,

@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from sherd.arrays import Floats, Ints, Singles
 from sherd.correspondence.elastic_surface import ElasticSurface, elastic_surface
 from sherd.descriptors.rotation_shot import rotation_spectra, weighted_spectra
 from sherd.descriptors.tangent_frames import geodesic_directions, smoothed_normals, tangent_axes
@@ -29,9 +29,6 @@ __all__ = [
     "trusted_equally",
 ]
 
-Floats = NDArray[np.float64]
-Singles = NDArray[np.float32]
-Ints = NDArray[np.int64]
 
 # 200 nodes on a part of half the area lie 0.05 apart, half the largest neighborhood; 400 were
 # no better and four times as dear.

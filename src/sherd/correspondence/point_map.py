@@ -5,11 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from sherd.arrays import Bools, Floats, Ints, frozen
 from sherd.errors import InvalidMeshError
 from sherd.mesh.surface_points import SurfacePoints
-from sherd.mesh.validate import frozen
 
 __all__ = ["PointMap"]
 
@@ -36,10 +35,10 @@ class PointMap:
         If the arrays do not have one row per vertex, or a confidence is outside [0, 1].
     """
 
-    faces: NDArray[np.int64]
-    barycentric: NDArray[np.float64]
-    matched: NDArray[np.bool_]
-    confidence: NDArray[np.float64]
+    faces: Ints
+    barycentric: Floats
+    matched: Bools
+    confidence: Floats
 
     def __post_init__(self) -> None:
         points = SurfacePoints(self.faces, self.barycentric)

@@ -11,9 +11,9 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from sherd.correspondence.elastic import fit_rotations, relax_positions, softened, strains
+from sherd.arrays import Floats, Ints
+from sherd.correspondence.elastic_kernel import fit_rotations, relax_positions, softened, strains
 from sherd.correspondence.elastic_surface import ElasticSurface
 from sherd.correspondence.part_data import PartData
 from sherd.correspondence.similar_places import Look, similar_places
@@ -30,8 +30,6 @@ __all__ = [
     "pulled_together",
 ]
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 # Data terms are areas over squared lengths: below such a length the elasticity decides, above
 # it the data. Places from trilateration are noise of 0.02 to be averaged over a limb's width.

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sherd.correspondence.anchors import find_anchors
 from sherd.correspondence.labeling import EVEN_SETTINGS, Labeling, Problem, make_problem
@@ -13,7 +12,6 @@ from sherd.template import Template
 
 __all__ = ["LARGEST", "LARGEST_AREA", "estimated_scale", "length_ratio"]
 
-Floats = NDArray[np.float64]
 
 # The range that users are promised, and a grid over it: a neighborhood that is a tenth too
 # large is still recognized.

@@ -12,16 +12,13 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from sherd.arrays import Bools, Floats, frozen
 from sherd.errors import InvalidMeshError
 from sherd.mesh.triangle_mesh import TriangleMesh
-from sherd.mesh.validate import frozen
 from sherd.spectral.basis import EigenBasis
 
 __all__ = ["Descriptor", "DescriptorField", "Surface"]
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,7 +60,7 @@ class DescriptorField:
 
     values: Floats
     reach: Floats
-    valid: NDArray[np.bool_]
+    valid: Bools
 
     def __post_init__(self) -> None:
         if self.values.ndim != 2 or self.valid.shape != self.values.shape:
@@ -79,7 +76,7 @@ class DescriptorField:
             object.__setattr__(self, name, frozen(getattr(self, name)))
 
     @property
-    def interior(self) -> NDArray[np.bool_]:
+    def interior(self) -> Bools:
         """(n,) True where every number is valid."""
         return np.asarray(self.valid.all(axis=1), dtype=np.bool_)
 

@@ -18,16 +18,16 @@ votes weighted by vertex area (meshing cancels), several radii.
 
 from __future__ import annotations
 
-import math
 from concurrent.futures import ThreadPoolExecutor
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
-from sherd.descriptors.shot_kernel import AZIMUTHS, BINS, vote
-from sherd.mesh.vertex_cells import sorted_into_cells
+from sherd.arrays import Floats, Ints, Singles
+from sherd.descriptors.rotation_kernel import FREQUENCIES, describe, pool_cells
+from sherd.descriptors.shot_kernel import AZIMUTHS, BINS
+from sherd.mesh.vertex_cells_kernel import sorted_into_cells
 from sherd.threads import over_rows, thread_count
 
 __all__ = [
@@ -36,17 +36,12 @@ __all__ = [
     "rotation_spectra",
     "shift_table",
     "similarity",
-    "similarity_of_two",
     "weighted_spectra",
 ]
 
-Floats = NDArray[np.float64]
-Singles = NDArray[np.float32]
-Ints = NDArray[np.int64]
 
-_FREQUENCIES = AZIMUTHS // 2 + 1
 # The first and last of the frequencies have no imaginary part.
-_REAL, _IMAGINARY = range(_FREQUENCIES), range(1, _FREQUENCIES - 1)
+_REAL, _IMAGINARY = range(FREQUENCIES), range(1, FREQUENCIES - 1)
 
 
 def rotation_spectra(
@@ -75,9 +70,9 @@ def rotation_spectra(
         Radii of the neighborhoods, in the unit of `vertices`.
     """
     cells = sorted_into_cells(vertices, max(radii))
-    result = np.empty((_FREQUENCIES, len(queries), 2 * len(radii) * BINS), dtype=np.float32)
+    result = np.empty((FREQUENCIES, len(queries), 2 * len(radii) * BINS), dtype=np.float32)
     over_rows(
-        _describe, len(queries), np.ascontiguousarray(vertices), np.ascontiguousarray(normals),
+        describe, len(queries), np.ascontiguousarray(vertices), np.ascontiguousarray(normals),
         weights, queries, np.ascontiguousarray(x_axes), np.ascontiguousarray(z_axes),
         np.array(radii), cells, _wave_table(), result,
     )  # fmt: skip
@@ -88,7 +83,7 @@ def _wave_table() -> Floats:
     """Real and imaginary waves (5, 2, 8) of the Fourier transform over 8 azimuth bins."""
     # Parseval over 8 bins: frequencies 1 to 3 stand for two waves each
     share = np.sqrt(np.array([1.0, 2.0, 2.0, 2.0, 1.0]) / AZIMUTHS)
-    angles = 2.0 * np.pi * np.outer(np.arange(_FREQUENCIES), np.arange(AZIMUTHS)) / AZIMUTHS
+    angles = 2.0 * np.pi * np.outer(np.arange(FREQUENCIES), np.arange(AZIMUTHS)) / AZIMUTHS
     table: Floats = share[:, None, None] * np.stack([np.cos(angles), -np.sin(angles)], axis=1)
     return table
 
@@ -148,11 +143,10 @@ def pooled_similarity(
                 (part_spectra[k, rows], full_spectra[k].T, parts[k]) for k in _REAL
             ]
             products += [
-                (turned[k, rows], full_spectra[k].T, parts[_FREQUENCIES + k - 1])
-                for k in _IMAGINARY
+                (turned[k, rows], full_spectra[k].T, parts[FREQUENCIES + k - 1]) for k in _IMAGINARY
             ]
             list(pool.map(lambda product: np.matmul(product[0], product[1], product[2]), products))
-            over_rows(_pool, parts.shape[1], parts, cells, waves, result[rows])
+            over_rows(pool_cells, parts.shape[1], parts, cells, waves, result[rows])
     return result
 
 
@@ -160,72 +154,8 @@ def shift_table(shifts: int = 16) -> Singles:
     """Waves (8, shifts) that turn the 8 numbers of a comparison into similarity by rotation."""
     angles = 2.0 * np.pi * np.arange(shifts) / shifts
     table = np.empty((AZIMUTHS, shifts), dtype=np.float32)
-    for frequency in range(_FREQUENCIES):
+    for frequency in range(FREQUENCIES):
         table[frequency] = np.cos(frequency * angles)
-        if 0 < frequency < _FREQUENCIES - 1:
-            table[_FREQUENCIES + frequency - 1] = -np.sin(frequency * angles)
+        if 0 < frequency < FREQUENCIES - 1:
+            table[FREQUENCIES + frequency - 1] = -np.sin(frequency * angles)
     return table
-
-
-# Each histogram becomes a spectrum at once: all of them together would be four times the result.
-@numba.njit(cache=True, nogil=True)
-def _describe(  # type: ignore[no-untyped-def]  # noqa: PLR0913
-    rows, vertices, normals, weights, queries, x_axes, z_axes, radii, cells, waves, result
-):
-    """Write the spectra (5, q, 2 c) of the query vertices."""
-    half = len(radii) * BINS
-    for row in range(rows[0], rows[1]):
-        histogram = np.zeros((len(radii), AZIMUTHS, BINS))
-        frame = (x_axes[row], z_axes[row])
-        vote(vertices, normals, weights, queries[row], frame, radii, cells, histogram)
-        for k in range(len(radii)):
-            norm = math.sqrt((histogram[k] ** 2).sum())
-            scale = 1.0 / norm if norm > 0.0 else 1.0
-            for frequency in range(_FREQUENCIES):
-                for part in range(2):
-                    start = part * half + k * BINS
-                    for entry in range(BINS):
-                        total = 0.0
-                        for azimuth in range(AZIMUTHS):
-                            total += histogram[k, azimuth, entry] * waves[frequency, part, azimuth]
-                        result[frequency, row, start + entry] = scale * total
-
-
-@numba.njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
-def _pool(rows, parts, cells, waves, result):  # type: ignore[no-untyped-def]
-    """Maximum over the vertices of each cell of the similarity at each rotation."""
-    shifts = waves.shape[1]
-    for row in range(rows[0], rows[1]):
-        result[row] = np.float32(-1.0)
-        for vertex in range(len(cells)):
-            cell = cells[vertex]
-            if cell < 0:
-                continue
-            for shift in range(shifts):
-                total = np.float32(0.0)
-                for wave in range(AZIMUTHS):
-                    total += parts[wave, row, vertex] * waves[wave, shift]
-                result[row, cell, shift] = max(result[row, cell, shift], total)
-
-
-# Sums may be regrouped into vector lanes: the same on every run, and four times faster.
-@numba.njit(cache=True, fastmath={"reassoc", "contract"})
-def similarity_of_two(full_spectra, vertex, part_spectra, point, waves):  # type: ignore[no-untyped-def]
-    """Similarity, best over rotation, of one full vertex with one part point, for kernels.
-
-    `waves` come from :func:`shift_table`.
-    """
-    half = full_spectra.shape[2] // 2
-    last = _FREQUENCIES - 1
-    totals = np.zeros(waves.shape[1], np.float32)
-    for frequency in range(_FREQUENCIES):
-        p, f = part_spectra[frequency, point], full_spectra[frequency, vertex]
-        real, imaginary = np.float32(0.0), np.float32(0.0)
-        for k in range(half):
-            real += p[k] * f[k] + p[half + k] * f[half + k]
-            imaginary += p[half + k] * f[k] - p[k] * f[half + k]
-        for shift in range(len(totals)):
-            totals[shift] += real * waves[frequency, shift]
-            if 0 < frequency < last:
-                totals[shift] += imaginary * waves[_FREQUENCIES + frequency - 1, shift]
-    return totals.max()

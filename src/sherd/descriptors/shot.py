@@ -5,16 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from sherd.arrays import Floats, Ints, Singles
 from sherd.descriptors.field import DescriptorField, Surface
 from sherd.descriptors.shot_kernel import neighborhood_moments, shot_histograms
 from sherd.errors import OptionError
 from sherd.mesh.triangle_mesh import TriangleMesh
 
 __all__ = ["Shot", "local_frames", "shot"]
-
-Floats = NDArray[np.float64]
 
 
 def shot(
@@ -23,7 +22,7 @@ def shot(
     *,
     queries: ArrayLike | None = None,
     weights: ArrayLike | None = None,
-) -> NDArray[np.float32]:
+) -> Singles:
     """Signature of histograms of orientations at the query vertices, (q, 352) float32, norm 1.
 
     Parameters
@@ -75,7 +74,7 @@ def shot(
 
 
 def local_frames(
-    mesh: TriangleMesh, radius: float, *, queries: NDArray[np.int64], weights: Floats
+    mesh: TriangleMesh, radius: float, *, queries: Ints, weights: Floats
 ) -> tuple[Floats, Floats]:
     """X and z axis of the frame of each query vertex, (q, 3) each, unit and orthogonal.
 

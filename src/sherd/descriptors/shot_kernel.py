@@ -6,9 +6,9 @@ import math
 
 import numba
 import numpy as np
-from numpy.typing import NDArray
 
-from sherd.mesh.vertex_cells import sorted_into_cells
+from sherd.arrays import Floats, Ints
+from sherd.mesh.vertex_cells_kernel import sorted_into_cells
 from sherd.threads import over_rows
 
 __all__ = [
@@ -19,8 +19,6 @@ __all__ = [
     "vote",
 ]
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 # The grid of Salti, Tombari, Di Stefano 2014: 8 azimuth x 2 elevation x 2 radial sectors with 11
 # bins for the cosine between the normal of a neighbor and the axis of the point.
@@ -106,7 +104,7 @@ def neighborhood_moments(
 
 
 @numba.njit(cache=True, nogil=True)
-def _vote_all(  # type: ignore[no-untyped-def]  # noqa: PLR0913
+def _vote_all(  # noqa: PLR0913
     rows, vertices, normals, weights, queries, x_axes, z_axes, radii, cells, histograms
 ):
     for row in range(rows[0], rows[1]):
@@ -115,7 +113,7 @@ def _vote_all(  # type: ignore[no-untyped-def]  # noqa: PLR0913
 
 
 @numba.njit(cache=True)
-def vote(vertices, normals, weights, query, frame, radii, cells, histogram):  # type: ignore[no-untyped-def]
+def vote(vertices, normals, weights, query, frame, radii, cells, histogram):
     """Add the votes of all neighbors of one vertex to its histogram (r, 8, 44).
 
     `frame` are its x and z axis; `cells` are those of :func:`sorted_into_cells`.
@@ -166,7 +164,7 @@ def vote(vertices, normals, weights, query, frame, radii, cells, histogram):  # 
 
 
 @numba.njit(cache=True)
-def _stride(vertices, query, cells, reach):  # type: ignore[no-untyped-def]
+def _stride(vertices, query, cells, reach):
     """Of how many neighbors in its ball one votes: 1, unless there are more than MOST_VOTES."""
     order, starts, origin, size, shape = cells
     px, py, pz = vertices[query, 0], vertices[query, 1], vertices[query, 2]
@@ -194,7 +192,7 @@ def _stride(vertices, query, cells, reach):  # type: ignore[no-untyped-def]
 
 
 @numba.njit(cache=True, inline="always")
-def _add(histogram, k, weight, azimuth, height, radius, cosine):  # type: ignore[no-untyped-def]
+def _add(histogram, k, weight, azimuth, height, radius, cosine):
     """Share one vote linearly between the two nearest bins of each of the four coordinates."""
     at_azimuth = azimuth * AZIMUTHS
     at_height = (min(1.0, max(-1.0, height)) + 1.0) * 0.5 * ELEVATIONS - 0.5
@@ -218,7 +216,7 @@ def _add(histogram, k, weight, azimuth, height, radius, cosine):  # type: ignore
 
 
 @numba.njit(cache=True, nogil=True)
-def _moments(rows, vertices, weights, queries, radius, cells, covariance, mean):  # type: ignore[no-untyped-def]
+def _moments(rows, vertices, weights, queries, radius, cells, covariance, mean):
     """Sum the first and second moments of the neighbors of each query."""
     order, starts, origin, size, shape = cells
     for row in range(rows[0], rows[1]):

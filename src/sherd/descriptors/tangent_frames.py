@@ -11,14 +11,12 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
+from sherd.arrays import Floats, Ints, Singles
 from sherd.mesh.geometry import face_cross
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.spectral.operators import stiffness
 
 __all__ = ["geodesic_directions", "smoothed_normals", "tangent_axes"]
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 
 def smoothed_normals(mesh: TriangleMesh, width: float) -> Floats:
@@ -67,7 +65,7 @@ def geodesic_directions(
     x_axes: Floats,
     z_axes: Floats,
     near: float,
-) -> NDArray[np.float32]:
+) -> Singles:
     """Angle (s, s) in radians at which the geodesic from sample i to sample j leaves sample i.
 
     The direction is minus the gradient of the distance to j, averaged over the faces at i. Closer
@@ -95,7 +93,7 @@ def geodesic_directions(
     close = distances[:, samples].T < near
     down_x = np.where(close, np.einsum("ijc,ic->ij", chords, x_axes), down_x)
     down_y = np.where(close, np.einsum("ijc,ic->ij", chords, side), down_y)
-    angles: NDArray[np.float32] = np.arctan2(down_y, down_x).astype(np.float32)
+    angles: Singles = np.arctan2(down_y, down_x).astype(np.float32)
     return angles
 
 

@@ -6,15 +6,13 @@ import warnings
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.cluster.vq import kmeans2
 
+from sherd.arrays import Floats, frozen
 from sherd.errors import OptionError
-from sherd.mesh.validate import frozen
 
 __all__ = ["Vocabulary", "learn_vocabulary"]
 
-Floats = NDArray[np.float64]
 
 # More samples than this do not move the words of a vocabulary of a few hundred.
 SAMPLE_LIMIT = 5000

@@ -4,14 +4,11 @@ from __future__ import annotations
 
 import numba
 import numpy as np
-from numpy.typing import NDArray
 
+from sherd.arrays import Floats, Ints
 from sherd.threads import over_rows
 
 __all__ = ["closest_on_faces"]
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 
 def closest_on_faces(
@@ -26,7 +23,7 @@ def closest_on_faces(
 
 
 @numba.njit(cache=True, nogil=True)
-def _closest_on_faces(rows, positions, near, corners, penalty, faces, weights):  # type: ignore[no-untyped-def]
+def _closest_on_faces(rows, positions, near, corners, penalty, faces, weights):
     for row in range(rows[0], rows[1]):
         best = np.inf
         faces[row] = near[row, 0]
@@ -45,7 +42,7 @@ def _closest_on_faces(rows, positions, near, corners, penalty, faces, weights): 
 
 
 @numba.njit(cache=True)
-def _closest_weights(p, a, b, c):  # type: ignore[no-untyped-def]  # noqa: PLR0911
+def _closest_weights(p, a, b, c):  # noqa: PLR0911
     """Weights of b and c at the point of the triangle closest to p."""
     d1 = d2 = d3 = d4 = d5 = d6 = 0.0
     for x in range(3):

@@ -6,7 +6,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+
+from sherd.arrays import Floats, Ints
 
 __all__ = [
     "barycentric_vertex_areas",
@@ -16,9 +17,6 @@ __all__ = [
     "face_normals",
     "vertex_normals",
 ]
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 
 def face_cross(vertices: Floats, faces: Ints) -> Floats:

@@ -7,11 +7,11 @@ where it starts. `faces` is (m, 3) int64 without repeated indices.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse import csgraph
 from scipy.spatial import cKDTree
 
+from sherd.arrays import Bools, Floats, Ints
 from sherd.mesh import geometry
 
 __all__ = [
@@ -26,9 +26,6 @@ __all__ = [
     "settled",
 ]
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Bools = NDArray[np.bool_]
 
 # More sheets at one edge come from damaged files, and the pairs to compare grow with the square.
 _MOST_SHEETS = 16

@@ -7,16 +7,13 @@ import numpy as np
 from sherd.errors import InvalidMeshError
 from sherd.mesh import gluing
 from sherd.mesh.geometry import face_cross
-from sherd.mesh.repair import RepairReport
 from sherd.mesh.topology import half_edges
 from sherd.mesh.triangle_mesh import TriangleMesh
 
-__all__ = ["bulge", "check_sides", "side_is_unclear", "turned_over"]
+__all__ = ["bulge", "check_sides", "turned_over"]
 
 # Normals are averaged over dozens of faces, so some that point the other way do no harm.
 MOST_DISAGREEING = 0.05
-# Repair turns the smaller side over, so at most half of the area.
-UNCLEAR = 0.4
 
 
 def check_sides(mesh: TriangleMesh) -> None:
@@ -34,15 +31,6 @@ def check_sides(mesh: TriangleMesh) -> None:
             f"{mesh.name}: at {100 * wrong / len(pairs):.0f} % of the edges the two faces do not "
             "agree on which side is outside; make them agree first: sherd.repair(mesh)"
         )
-
-
-def side_is_unclear(repaired: TriangleMesh, report: RepairReport) -> bool:
-    """Whether so many faces of an open mesh were turned over that the majority says little.
-
-    A closed mesh tells by its volume.
-    """
-    turned = sum(step.area_fraction for step in report.steps if step.name == "orient faces")
-    return turned > UNCLEAR and len(repaired.boundary_vertices) > 0
 
 
 def bulge(mesh: TriangleMesh) -> float:

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from sherd.arrays import Floats, Ints
 from sherd.mesh.surface_points import BLOCK, SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
 
 __all__ = ["SurfaceFinder"]
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 # A normal that differs by a right angle counts like 0.04 of distance: other sheets stay away.
 NORMAL_SCALE = 0.03

@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.spatial import cKDTree
 
+from sherd.arrays import Floats, Ints, frozen
 from sherd.errors import InvalidMeshError
 from sherd.mesh.triangle_mesh import TriangleMesh
-from sherd.mesh.validate import frozen
 
 __all__ = ["SurfacePoints", "closest_points", "points_at_vertices"]
 
@@ -37,8 +37,8 @@ class SurfacePoints:
         If the shapes differ, a weight is outside [0, 1] or a row does not sum to 1.
     """
 
-    faces: NDArray[np.int64]
-    barycentric: NDArray[np.float64]
+    faces: Ints
+    barycentric: Floats
 
     def __post_init__(self) -> None:
         faces = np.array(self.faces, dtype=np.int64)
@@ -67,20 +67,20 @@ class SurfacePoints:
         rows = np.atleast_1d(np.asarray(index))
         return SurfacePoints(self.faces[rows], self.barycentric[rows])
 
-    def interpolate(self, mesh: TriangleMesh, values: ArrayLike) -> NDArray[np.float64]:
+    def interpolate(self, mesh: TriangleMesh, values: ArrayLike) -> Floats:
         """Vertex values (n,) or (n, c) of `mesh` at the points, (p,) or (p, c)."""
         corners = np.asarray(values, dtype=np.float64)[mesh.faces[self.faces]]
-        result: NDArray[np.float64] = np.einsum("pk,pk...->p...", self.barycentric, corners)
+        result: Floats = np.einsum("pk,pk...->p...", self.barycentric, corners)
         return result
 
-    def positions(self, mesh: TriangleMesh) -> NDArray[np.float64]:
+    def positions(self, mesh: TriangleMesh) -> Floats:
         """Coordinates of the points, (p, 3) l."""
         return self.interpolate(mesh, mesh.vertices)
 
-    def nearest_vertices(self, mesh: TriangleMesh) -> NDArray[np.int64]:
+    def nearest_vertices(self, mesh: TriangleMesh) -> Ints:
         """The corner with the largest weight, (p,)."""
         corners = mesh.faces[self.faces]
-        nearest: NDArray[np.int64] = corners[np.arange(len(self)), self.barycentric.argmax(axis=1)]
+        nearest: Ints = corners[np.arange(len(self)), self.barycentric.argmax(axis=1)]
         return nearest
 
 

@@ -6,13 +6,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse import csgraph
 
-__all__ = ["adjacency", "boundary_edges", "component_labels", "half_edges", "unique_edges"]
+from sherd.arrays import Ints
 
-Ints = NDArray[np.int64]
+__all__ = ["adjacency", "boundary_edges", "component_labels", "half_edges", "unique_edges"]
 
 
 def half_edges(faces: Ints) -> Ints:

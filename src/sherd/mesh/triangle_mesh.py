@@ -6,14 +6,15 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from types import MappingProxyType
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from sherd.arrays import Floats, Ints, frozen
 from sherd.errors import InvalidMeshError
 from sherd.mesh import geometry, topology
-from sherd.mesh.validate import checked_faces, checked_field, checked_vertices, frozen
+from sherd.mesh.validate import checked_faces, checked_field, checked_vertices
 
 __all__ = ["TriangleMesh"]
 
@@ -23,7 +24,7 @@ class TriangleMesh:
     """A triangle mesh with optional vertex fields; all arrays are read-only.
 
     Boundaries, several components, non-manifold edges and unreferenced vertices are legal;
-    :mod:`sherd.mesh.repair` names what is wrong with a mesh and mends it on request.
+    :mod:`sherd.repair.repair` names what is wrong with a mesh and mends it on request.
 
     Parameters
     ----------
@@ -48,9 +49,9 @@ class TriangleMesh:
     0.5
     """
 
-    vertices: NDArray[np.float64]
-    faces: NDArray[np.int64]
-    fields: Mapping[str, NDArray[np.float64]] = field(default_factory=dict, kw_only=True)
+    vertices: Floats
+    faces: Ints
+    fields: Mapping[str, Floats] = field(default_factory=dict, kw_only=True)
     name: str = field(default="mesh", kw_only=True)
 
     def __init__(
@@ -96,24 +97,24 @@ class TriangleMesh:
         return len(self.faces)
 
     @cached_property
-    def face_areas(self) -> NDArray[np.float64]:
+    def face_areas(self) -> Floats:
         """(m,) l^2."""
-        return _frozen(geometry.face_areas(self.vertices, self.faces))
+        return frozen(geometry.face_areas(self.vertices, self.faces))
 
     @cached_property
-    def face_normals(self) -> NDArray[np.float64]:
+    def face_normals(self) -> Floats:
         """(m, 3) unit, zero on faces without area."""
-        return _frozen(geometry.face_normals(self.vertices, self.faces))
+        return frozen(geometry.face_normals(self.vertices, self.faces))
 
     @cached_property
-    def vertex_areas(self) -> NDArray[np.float64]:
+    def vertex_areas(self) -> Floats:
         """(n,) l^2, barycentric: a third of each face; sums to `area`."""
-        return _frozen(geometry.barycentric_vertex_areas(self.vertices, self.faces))
+        return frozen(geometry.barycentric_vertex_areas(self.vertices, self.faces))
 
     @cached_property
-    def vertex_normals(self) -> NDArray[np.float64]:
+    def vertex_normals(self) -> Floats:
         """(n, 3) unit, area-weighted."""
-        return _frozen(geometry.vertex_normals(self.vertices, self.faces))
+        return frozen(geometry.vertex_normals(self.vertices, self.faces))
 
     @cached_property
     def area(self) -> float:
@@ -126,9 +127,9 @@ class TriangleMesh:
         return float(np.sqrt(self.area))
 
     @cached_property
-    def edges(self) -> NDArray[np.int64]:
+    def edges(self) -> Ints:
         """(e, 2) undirected edges, lower index first."""
-        return _frozen(topology.unique_edges(self.faces)[0])
+        return frozen(topology.unique_edges(self.faces)[0])
 
     @cached_property
     def mean_edge_length(self) -> float:
@@ -137,14 +138,14 @@ class TriangleMesh:
         return float(np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1).mean())
 
     @cached_property
-    def boundary_vertices(self) -> NDArray[np.int64]:
+    def boundary_vertices(self) -> Ints:
         """Indices of the vertices on an edge with one face only, ascending."""
-        return _frozen(np.unique(topology.boundary_edges(self.faces)))
+        return frozen(np.unique(topology.boundary_edges(self.faces)))
 
     @cached_property
-    def component_labels(self) -> NDArray[np.int64]:
+    def component_labels(self) -> Ints:
         """(n,) component of each vertex, 0 the one with most vertices."""
-        return _frozen(topology.component_labels(self.faces, self.vertex_count))
+        return frozen(topology.component_labels(self.faces, self.vertex_count))
 
     @property
     def component_count(self) -> int:
@@ -161,7 +162,7 @@ class TriangleMesh:
             self.vertices, self.faces, fields={**self.fields, **fields}, name=self.name
         )
 
-    def submesh(self, face_mask: ArrayLike) -> tuple[TriangleMesh, NDArray[np.int64]]:
+    def submesh(self, face_mask: ArrayLike) -> tuple[TriangleMesh, Ints]:
         """The faces where `face_mask` (m,) bool holds, and the old index of each kept vertex.
 
         Raises
@@ -182,7 +183,3 @@ class TriangleMesh:
             self.vertices[kept], renumber[self.faces[mask]], fields=fields, name=self.name
         )
         return mesh, kept
-
-
-def _frozen(array: NDArray[Any]) -> NDArray[Any]:
-    return cast("NDArray[Any]", frozen(array))

@@ -9,9 +9,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from sherd.arrays import Floats, Ints, frozen
 from sherd.errors import InvalidMeshError
 
-__all__ = ["checked_faces", "checked_field", "checked_vertices", "frozen"]
+__all__ = ["checked_faces", "checked_field", "checked_vertices"]
 
 # Squared areas are fourth powers of lengths, and (1e70)^4 = 1e280 is still a float64.
 LARGEST_COORDINATE = 1e70
@@ -19,14 +20,7 @@ LARGEST_COORDINATE = 1e70
 SMALLEST_EXTENT = 1e-60
 
 
-def frozen(array: NDArray[np.generic]) -> NDArray[np.generic]:
-    """A read-only view of a contiguous copy-on-need of `array`."""
-    view = np.ascontiguousarray(array).view()
-    view.flags.writeable = False
-    return view
-
-
-def checked_vertices(vertices: ArrayLike) -> NDArray[np.float64]:
+def checked_vertices(vertices: ArrayLike) -> Floats:
     """Return `vertices` as a read-only (n, 3) float64 array of finite coordinates.
 
     Raises
@@ -55,7 +49,7 @@ def checked_vertices(vertices: ArrayLike) -> NDArray[np.float64]:
     return _private(array, vertices)
 
 
-def checked_faces(faces: ArrayLike, vertex_count: int) -> NDArray[np.int64]:
+def checked_faces(faces: ArrayLike, vertex_count: int) -> Ints:
     """Return `faces` as a read-only (m, 3) int64 array of indices below `vertex_count`.
 
     Raises
@@ -66,7 +60,7 @@ def checked_faces(faces: ArrayLike, vertex_count: int) -> NDArray[np.int64]:
     raw = np.asarray(faces)
     if raw.dtype.kind == "f" and raw.size and not np.array_equal(raw, np.round(raw)):
         raise InvalidMeshError("faces holds fractions, but vertex indices are whole numbers")
-    array: NDArray[np.int64] = _as_array(raw, np.int64, "faces").astype(np.int64, copy=False)
+    array: Ints = _as_array(raw, np.int64, "faces").astype(np.int64, copy=False)
     if array.ndim != 2 or array.shape[1] != 3:
         if array.size == 0:
             raise InvalidMeshError(_NO_FACES)
@@ -83,7 +77,7 @@ def checked_faces(faces: ArrayLike, vertex_count: int) -> NDArray[np.int64]:
     return _private(array, faces)
 
 
-def checked_field(name: str, values: ArrayLike, vertex_count: int) -> NDArray[np.float64]:
+def checked_field(name: str, values: ArrayLike, vertex_count: int) -> Floats:
     """Return one vertex field as a read-only (n,) or (n, c) float64 array; NaN means unknown.
 
     Raises

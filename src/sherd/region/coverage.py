@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.linalg import cg
 
+from sherd.arrays import Bools, Floats
+from sherd.energy.cleanup import raised_to_area, threshold_to_area
 from sherd.mesh.triangle_mesh import TriangleMesh
-from sherd.region.cleanup import raised_to_area, threshold_to_area
 from sherd.spectral.operators import stiffness
 
 __all__ = ["covered_region"]
 
-Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
 
 # Smoothing length in sqrt(area of the full shape): the vertex spacing of a 10,000-vertex mesh. It
 # closes the gaps that single vertices leave and rounds nothing that such a mesh can show.

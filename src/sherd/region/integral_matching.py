@@ -5,28 +5,28 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from sherd.arrays import Bools, Floats
 from sherd.descriptors.field import Descriptor, DescriptorField, Surface
-from sherd.descriptors.heat_kernel import HeatKernel, automatic_times
+from sherd.descriptors.heat_kernel_signature import HeatKernel, automatic_times
 from sherd.descriptors.shot import Shot
 from sherd.descriptors.vocabulary import learn_vocabulary
-from sherd.descriptors.wave_kernel import WaveKernel
+from sherd.descriptors.wave_kernel_signature import WaveKernel
+from sherd.energy.all_vertices import full_region
+from sherd.energy.automatic import REGULARITIES, chosen_regularity
+from sherd.energy.cleanup import clean_region, grow_region, raised_to_area
+from sherd.energy.convergence import Convergence
+from sherd.energy.exponential import exponential_regions
+from sherd.energy.logistic import logistic_regions
+from sherd.energy.mumford_shah import EnergyTerms, data_term
+from sherd.energy.problem import EnergyWeights, RegionProblem, region_problem
+from sherd.energy.subspace import subspace_region
 from sherd.errors import OptionError
 from sherd.mesh import topology
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.output import Stages
-from sherd.region.automatic import REGULARITIES, chosen_regularity
-from sherd.region.cleanup import clean_region, grow_region, raised_to_area
-from sherd.region.exponential import exponential_regions
-from sherd.region.full import full_region
-from sherd.region.logistic import logistic_regions
-from sherd.region.mumford_shah import EnergyTerms, data_term
 from sherd.region.options import LocateOptions
-from sherd.region.problem import EnergyWeights, RegionProblem, region_problem
 from sherd.region.region import Found, Placement
-from sherd.region.status import Status
-from sherd.region.subspace import subspace_region
 from sherd.region.weights import chosen_weights
 from sherd.spectral.basis import EigenBasis, eigenbasis
 from sherd.spectral.geodesics import Geodesics
@@ -34,7 +34,6 @@ from sherd.spectral.sampling import farthest_point_sample
 
 __all__ = ["InteriorQuestion", "ball_starts", "interior_question", "locate_by_integrals"]
 
-Floats = NDArray[np.float64]
 
 # Heat kernels at times near 1e-3 of the area need about this many eigenpairs (Weyl: lambda_k is
 # near 4 pi k / area, and exp(-lambda_k t) must be small).
@@ -67,7 +66,7 @@ class InteriorQuestion:
     """
 
     problem: RegionProblem
-    interior: NDArray[np.bool_]
+    interior: Bools
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,7 +74,7 @@ class _Answer:
     membership: Floats
     phase_field: Floats
     energy: EnergyTerms
-    status: Status
+    status: Convergence
 
 
 def interior_question(
@@ -183,7 +182,7 @@ def _descriptor(options: LocateOptions, full: Surface, part: Surface) -> Descrip
     raise OptionError(f"descriptor {options.descriptor!r} is unknown")
 
 
-def _interior(field: DescriptorField, part: Surface) -> NDArray[np.bool_]:
+def _interior(field: DescriptorField, part: Surface) -> Bools:
     areas, interior = part.mesh.vertex_areas, field.interior
     if areas[interior].sum() >= LEAST_INTERIOR * part.mesh.area:
         return interior
@@ -246,7 +245,7 @@ def _whole(
     full: TriangleMesh,
     part_area: float,
     geodesics: Geodesics,
-) -> NDArray[np.bool_]:
+) -> Bools:
     """Crisp region of the interior, grown back over the band that was left out."""
     adjacency = topology.adjacency(full.faces, full.vertex_count)
     areas = full.vertex_areas

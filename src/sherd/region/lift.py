@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from sherd.arrays import Bools, Floats
+from sherd.energy.cleanup import raised_to_area, threshold_to_area
 from sherd.mesh.surface_points import closest_points
 from sherd.mesh.triangle_mesh import TriangleMesh
-from sherd.region.cleanup import raised_to_area, threshold_to_area
 
 __all__ = ["Lift"]
-
-Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
 
 
 class Lift:

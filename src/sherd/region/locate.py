@@ -9,13 +9,13 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from sherd._version import __version__
+from sherd.energy.problem import LARGEST_AREA_RATIO
 from sherd.errors import InfeasibleError
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.output import Stages
 from sherd.region.integral_matching import locate_by_integrals
 from sherd.region.lift import Lift
 from sherd.region.options import LocateOptions
-from sherd.region.problem import LARGEST_AREA_RATIO
 from sherd.region.region import Placement, Region
 from sherd.region.voting import locate_by_voting
 from sherd.template import refuse_tiny_part, working_mesh

@@ -34,7 +34,7 @@ class LocateOptions:
         k, number of Laplace-Beltrami eigenvectors that carry the membership.
     regularity, smoothness, boundary, phase_width
         lambda_r, lambda_s, lambda_b and epsilon of the paper, dimensionless; None chooses. See
-        :class:`sherd.region.problem.EnergyWeights`.
+        :class:`sherd.energy.problem.EnergyWeights`.
     iterations
         Alternations between membership and phase field.
     vocabulary_size

@@ -6,19 +6,17 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from sherd.arrays import Bools, Floats
+from sherd.energy.cleanup import pieces
+from sherd.energy.convergence import Convergence
+from sherd.energy.mumford_shah import EnergyTerms
+from sherd.energy.problem import EnergyWeights
 from sherd.mesh import topology
 from sherd.mesh.triangle_mesh import TriangleMesh
-from sherd.region.cleanup import pieces
-from sherd.region.mumford_shah import EnergyTerms
 from sherd.region.options import LocateOptions
-from sherd.region.problem import EnergyWeights
-from sherd.region.status import Status
 
 __all__ = ["Found", "Placement", "Region", "RegionCheck"]
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,7 +40,7 @@ class Placement:
 
     name: str
     membership: Floats
-    mask: NDArray[np.bool_]
+    mask: Bools
     score: float
     mirrored: bool
 
@@ -52,11 +50,11 @@ class Found:
     """What a method of locating hands back; :class:`Region` explains each."""
 
     membership: Floats
-    mask: NDArray[np.bool_]
+    mask: Bools
     phase_field: Floats
     score: float
     energy: EnergyTerms
-    status: Status
+    status: Convergence
     alternatives: tuple[Placement, ...]
     weights: EnergyWeights
 
@@ -126,11 +124,11 @@ class Region:
     full: TriangleMesh
     part: TriangleMesh
     membership: Floats
-    mask: NDArray[np.bool_]
+    mask: Bools
     phase_field: Floats
     score: float
     energy: EnergyTerms
-    status: Status
+    status: Convergence
     alternatives: tuple[Placement, ...]
     options: LocateOptions
     timings: Mapping[str, float]

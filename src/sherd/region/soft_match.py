@@ -20,12 +20,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+
+from sherd.arrays import Bools, Floats, Singles
 
 __all__ = ["MatchGeometry", "soft_match", "spread"]
 
-Floats = NDArray[np.float64]
-Singles = NDArray[np.float32]
 
 # Temperature of the similarity: a right partner on another pose and meshing scores about this much
 # below the best of all vertices (median 0.01 on the generated animal). Half and double the value
@@ -77,7 +76,7 @@ class MatchGeometry:
 
 
 def soft_match(
-    similarity: Singles, geometry: MatchGeometry, *, forbidden: NDArray[np.bool_] | None = None
+    similarity: Singles, geometry: MatchGeometry, *, forbidden: Bools | None = None
 ) -> Singles:
     """Probability (q, n) float32 that sample y lies at candidate x; each row sums to 1.
 

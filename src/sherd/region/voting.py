@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from sherd.arrays import Bools, Floats, Ints, Singles
 from sherd.descriptors.rotation_shot import (
     mirrored_spectra,
     rotation_spectra,
@@ -15,14 +15,14 @@ from sherd.descriptors.rotation_shot import (
     weighted_spectra,
 )
 from sherd.descriptors.tangent_frames import smoothed_normals, tangent_axes
+from sherd.energy.cleanup import clean_region
+from sherd.energy.logistic import LogisticOptions, LogisticRegion, logistic_regions
+from sherd.energy.problem import EnergyWeights, region_problem
 from sherd.mesh import topology
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.output import Stages
-from sherd.region.cleanup import clean_region
-from sherd.region.logistic import LogisticOptions, LogisticRegion, logistic_regions
 from sherd.region.options import LocateOptions
 from sherd.region.part_samples import PartSamples, sample_part
-from sherd.region.problem import EnergyWeights, region_problem
 from sherd.region.region import Found, Placement
 from sherd.region.soft_match import CAPACITY_WIDTH, MatchGeometry, soft_match, spread
 from sherd.region.weights import chosen_weights
@@ -32,10 +32,6 @@ from sherd.template import AXIS_WIDTH, RADII
 
 __all__ = ["locate_by_voting"]
 
-Floats = NDArray[np.float64]
-Singles = NDArray[np.float32]
-Ints = NDArray[np.int64]
-Bools = NDArray[np.bool_]
 
 # A neighborhood reaching far over the cut still says something about the near side.
 LEAST_TRUST = 0.15

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
+from sherd.energy.problem import EnergyWeights
 from sherd.region.options import LocateOptions
-from sherd.region.problem import EnergyWeights
 from sherd.spectral.basis import EigenBasis
 
 __all__ = ["chosen_weights"]

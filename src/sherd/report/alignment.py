@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from sherd.arrays import Floats
 from sherd.report.exhibit import Exhibit
 
 __all__ = ["rotation_to_full"]
 
-Floats = NDArray[np.float64]
 
 SAMPLE_SIZE = 400
 # Rotations are compared after this many rounds of closest points; ten more change a view little.

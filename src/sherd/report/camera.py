@@ -5,15 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import ConvexHull, QhullError, cKDTree
 
+from sherd.arrays import Bools, Floats
 from sherd.mesh.topology import half_edges
 from sherd.mesh.triangle_mesh import TriangleMesh
 
 __all__ = ["View", "best_view", "orbit_view", "orientation", "upward"]
 
-Floats = NDArray[np.float64]
 
 # Twelve ways around, three heights: near enough to the best side for a first look.
 AZIMUTHS = 12
@@ -90,7 +89,7 @@ def orbit_view(up: Floats, azimuth: float, elevation: float) -> Floats:
     return np.stack([right, np.cross(toward, right), toward])
 
 
-def best_view(mesh: TriangleMesh, region: NDArray[np.bool_], up: Floats) -> View:
+def best_view(mesh: TriangleMesh, region: Bools, up: Floats) -> View:
     """View in which the marked vertices (n,) bool show best, among 36 around `up`.
 
     The score is the visible marked area in the picture, plus a little for the outline of the
@@ -132,9 +131,7 @@ def orientation(mesh: TriangleMesh) -> int:
     return -1 if np.einsum("mx,mx->", a, np.cross(b, c)) < 0 else 1
 
 
-def _preview(
-    mesh: TriangleMesh, region: NDArray[np.bool_]
-) -> tuple[TriangleMesh, NDArray[np.bool_]]:
+def _preview(mesh: TriangleMesh, region: Bools) -> tuple[TriangleMesh, Bools]:
     """A large mesh with the vertices of each cell of a grid joined, and the region on it.
 
     Cells are smaller than the pixels by which views are compared, so the views look the same.
@@ -154,10 +151,10 @@ def _preview(
 
 
 def _seen_areas(
-    mesh: TriangleMesh, marked: NDArray[np.bool_], rotation: Floats, size: float
+    mesh: TriangleMesh, marked: Bools, rotation: Floats, size: float
 ) -> tuple[float, float, float]:
     """Projected area of marked and of all visible surface (l^2), share of marked area visible."""
-    from sherd.report.raster import covered_faces  # noqa: PLC0415  numba loads on first use
+    from sherd.report.raster_kernel import covered_faces  # noqa: PLC0415  numba loads on first use
 
     pixel = size / PREVIEW_SIZE
     placed = (mesh.vertices - mesh.vertices.min(axis=0)) @ rotation.T / pixel

@@ -11,6 +11,7 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
+from sherd.arrays import Bytes, Floats
 from sherd.errors import OptionError
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.report.exhibit import Exhibit, Layer
@@ -26,8 +27,6 @@ __all__ = [
     "part_layer",
 ]
 
-Floats = NDArray[np.float64]
-Bytes = NDArray[np.uint8]
 
 NEUTRAL = (205, 208, 214)  # a shape without a layer
 UNKNOWN = (122, 128, 138)  # NaN, unmatched

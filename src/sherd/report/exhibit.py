@@ -12,10 +12,10 @@ from typing import Any, Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from sherd.arrays import Bools, Floats, Ints, frozen
 from sherd.errors import InvalidMeshError, OptionError
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
-from sherd.mesh.validate import frozen
 
 __all__ = ["Exhibit", "Layer", "LayerKind", "Partner", "Placement"]
 
@@ -124,8 +124,8 @@ class Partner:
     """
 
     points: SurfacePoints
-    matched: NDArray[np.bool_] | None = None
-    confidence: NDArray[np.float64] | None = None
+    matched: Bools | None = None
+    confidence: Floats | None = None
 
     def __post_init__(self) -> None:
         count = len(self.points)
@@ -140,11 +140,11 @@ class Partner:
         object.__setattr__(self, "confidence", frozen(confidence.astype(np.float64)))
 
     @property
-    def known(self) -> NDArray[np.bool_]:
+    def known(self) -> Bools:
         """`matched` as an array, (p,) bool."""
         return np.asarray(self.matched)
 
-    def carry(self, full: TriangleMesh, values: ArrayLike) -> NDArray[np.float64]:
+    def carry(self, full: TriangleMesh, values: ArrayLike) -> Floats:
         """Vertex values (n,) or (n, c) of the full shape seen on the part; NaN if unmatched."""
         carried = self.points.interpolate(full, values)
         carried[~self.known] = np.nan
@@ -224,14 +224,14 @@ class Exhibit:
     full_layers: tuple[Layer, ...] = ()
     part_layers: tuple[Layer, ...] = ()
     partner: Partner | None = None
-    anchors: NDArray[np.int64] | None = None
+    anchors: Ints | None = None
     score: float = float("nan")
     score_name: str = "score"
     alternatives: tuple[Placement, ...] = ()
     summary: tuple[str, ...] = ()
     facts: Mapping[str, Any] = field(default_factory=dict)
     command: str = ""
-    region: NDArray[np.bool_] | None = None
+    region: Bools | None = None
     up: tuple[float, float, float] | None = None
 
     def __post_init__(self) -> None:
@@ -279,7 +279,7 @@ class Exhibit:
         if len(faces) and not 0 <= faces.min() <= faces.max() < self.full.face_count:
             raise InvalidMeshError(f"the map names a face outside 0..{self.full.face_count - 1}")
 
-    def _region(self) -> NDArray[np.bool_]:
+    def _region(self) -> Bools:
         if self.region is not None:
             return np.asarray(self.region, dtype=bool)
         for layer in self.full_layers:

@@ -14,8 +14,9 @@ from collections.abc import Iterable, Mapping
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from sherd.arrays import Bools, Floats
 from sherd.errors import OptionError
-from sherd.mesh.encode import encoded
+from sherd.files.encode import encoded
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.report.colors import layer_colors
@@ -46,7 +47,7 @@ def property_name(name: str) -> str:
     return re.sub(r"\W+", "_", name.strip(), flags=re.ASCII).strip("_") or "values"
 
 
-def layer_values(layers: Iterable[Layer]) -> dict[str, NDArray[np.float64]]:
+def layer_values(layers: Iterable[Layer]) -> dict[str, Floats]:
     """Numbers of all layers that are more than colors, by file-safe name, (n,) float.
 
     Raises
@@ -54,7 +55,7 @@ def layer_values(layers: Iterable[Layer]) -> dict[str, NDArray[np.float64]]:
     OptionError
         If two layers have the same name.
     """
-    values: dict[str, NDArray[np.float64]] = {}
+    values: dict[str, Floats] = {}
     for layer in layers:
         if layer.kind == "color":
             continue
@@ -207,7 +208,7 @@ def _cells(array: NDArray[np.generic]) -> list[str]:
     raise OptionError(f"a column of type {array.dtype} cannot be written; only numbers are")
 
 
-def _corr_rows(points: SurfacePoints, matched: NDArray[np.bool_]) -> Iterable[str]:
+def _corr_rows(points: SurfacePoints, matched: Bools) -> Iterable[str]:
     for face, weights, known in zip(
         points.faces.tolist(), points.barycentric.tolist(), matched.tolist(), strict=True
     ):

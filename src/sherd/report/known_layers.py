@@ -6,8 +6,9 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from sherd.arrays import Floats
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.report.exhibit import Layer
 from sherd.report.files import property_name
@@ -60,7 +61,7 @@ def known_layer(name: str, values: ArrayLike) -> Layer:
     return Layer(name, np.asarray(values), **_KNOWN[name])
 
 
-def error_layer(errors: NDArray[np.float64]) -> Layer:
+def error_layer(errors: Floats) -> Layer:
     """Distance of each answer to the ground truth, (n_part,) in sqrt(area of the full shape)."""
     known = errors[np.isfinite(errors)]
     worst = float(np.quantile(known, 0.99)) if len(known) else 0.0
@@ -79,9 +80,7 @@ def located_part_layers(part: TriangleMesh) -> tuple[Layer, ...]:
     return known_layer("membership", everywhere), known_layer("region", everywhere)
 
 
-def file_layers(
-    fields: Mapping[str, NDArray[np.float64]], *, carried: bool = False
-) -> tuple[Layer, ...]:
+def file_layers(fields: Mapping[str, Floats], *, carried: bool = False) -> tuple[Layer, ...]:
     """Layers of the numbers (n,) that came with a user's mesh; `carried` as in `Layer`."""
     return tuple(
         Layer(f"{name}{FROM_FILE}", values, carried=carried)
@@ -90,9 +89,7 @@ def file_layers(
     )
 
 
-def stored_layers(
-    fields: Mapping[str, NDArray[np.float64]], *, carried: bool = False
-) -> tuple[Layer, ...]:
+def stored_layers(fields: Mapping[str, Floats], *, carried: bool = False) -> tuple[Layer, ...]:
     """Layers from the vertex properties of a PLY file that sherd wrote, in their order.
 
     A name that sherd does not know is shown with the colors of a user's field.

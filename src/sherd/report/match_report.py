@@ -8,8 +8,8 @@ from dataclasses import asdict
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from sherd.arrays import Floats, Ints
 from sherd.match import Alternative, MatchCheck, MatchResult
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.output import ResultFolder
@@ -30,7 +30,6 @@ __all__ = [
     "write_match_report",
 ]
 
-Floats = NDArray[np.float64]
 
 # So many pairs of the surest points are drawn as lines: enough to follow, few enough to see.
 ANCHOR_COUNT = 60
@@ -273,7 +272,7 @@ def _orientation(result: MatchResult, points: SurfacePoints) -> Floats:
     return share
 
 
-def _anchors(result: MatchResult) -> NDArray[np.int64]:
+def _anchors(result: MatchResult) -> Ints:
     """Pairs of the surest vertices, spread over the part: part vertex, full vertex."""
     sure = np.argsort(-result.point_map.confidence, kind="stable")
     sure = sure[result.point_map.matched[sure]]

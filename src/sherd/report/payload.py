@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from sherd.arrays import Floats, Ints
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.report.camera import orientation
 from sherd.report.colors import (
@@ -71,20 +72,20 @@ class Block:
         return base64.b64encode(zlib.compress(b"".join(self._chunks), 6)).decode("ascii")
 
 
-def unpacked(packed: str, entry: dict[str, Any]) -> NDArray[np.int64]:
+def unpacked(packed: str, entry: dict[str, Any]) -> Ints:
     """Read one array of a :class:`Block` back, flat: the page's decoder in Python."""
     block = np.frombuffer(zlib.decompress(base64.b64decode(packed)), dtype=np.uint8)
     start, count, width = entry["offset"], entry["count"], entry["bytes"]
     planes = block[start : start + width * count].reshape(width, count).astype(np.int64)
-    codes: NDArray[np.int64] = (planes << (8 * np.arange(width))[:, None]).sum(axis=0)
+    codes: Ints = (planes << (8 * np.arange(width))[:, None]).sum(axis=0)
     if not entry["delta"]:
         return codes
     steps = (codes >> 1) ^ -(codes & 1)
-    values: NDArray[np.int64] = np.cumsum(steps) % (1 << (8 * width))
+    values: Ints = np.cumsum(steps) % (1 << (8 * width))
     return values
 
 
-def quantized(values: NDArray[np.float64], low: float, high: float) -> NDArray[np.int64]:
+def quantized(values: Floats, low: float, high: float) -> Ints:
     """Codes 0..65534 for values between `low` and `high`, 65535 for NaN."""
     finite = np.isfinite(values)
     share = (np.where(finite, values, low) - low) / max(high - low, np.finfo(float).tiny)
@@ -143,8 +144,8 @@ def payload(thinned: Thinned, staging: Staging) -> tuple[dict[str, Any], str]:
 def _shape(
     block: Block,
     mesh: TriangleMesh,
-    numbers: NDArray[np.int64] | None,
-    rotation: NDArray[np.float64],
+    numbers: Ints | None,
+    rotation: Floats,
 ) -> dict[str, Any]:
     low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
     extent = float((high - low).max()) or 1.0

@@ -7,9 +7,9 @@ import os
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
+from sherd.arrays import Floats
 from sherd.errors import OptionError
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.output import write_bytes
@@ -21,7 +21,6 @@ from sherd.report.exhibit import Exhibit, Layer
 
 __all__ = ["Staging", "picture", "stage", "write_picture"]
 
-Floats = NDArray[np.float64]
 
 INK = (28, 32, 38, 255)
 GRAY = (104, 110, 120, 255)
@@ -195,7 +194,7 @@ def _scales(panels: list[_Panel], size: tuple[int, int]) -> tuple[float, float]:
 
 
 def _rendered(panel: _Panel, size: tuple[int, int], pixels: float) -> Image.Image:
-    from sherd.report.raster import shaded_image  # noqa: PLC0415  numba loads on first use
+    from sherd.report.raster_kernel import shaded_image  # noqa: PLC0415  numba loads on first use
 
     mesh = panel.mesh
     placed = mesh.vertices @ panel.rotation.T

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from sherd.mesh.encode import encoded
+from sherd.files.encode import encoded
 from sherd.output import ResultFolder
 from sherd.region.region import Placement as RegionPlacement
 from sherd.region.region import Region

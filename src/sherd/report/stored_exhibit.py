@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from sherd.arrays import Bools
 from sherd.errors import InputError, SherdError
-from sherd.mesh.files import read_mesh
+from sherd.files.mesh_files import read_mesh
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.report.colors import correspondence_layer
 from sherd.report.exhibit import Exhibit, Partner
@@ -89,5 +89,5 @@ def _named(mesh: TriangleMesh, facts: Mapping[str, Any]) -> TriangleMesh:
     return TriangleMesh(mesh.vertices, mesh.faces, name=str(facts["name"]))
 
 
-def _mask(mesh: TriangleMesh) -> NDArray[np.bool_]:
+def _mask(mesh: TriangleMesh) -> Bools:
     return np.asarray(mesh.fields["region"] > 0.5)

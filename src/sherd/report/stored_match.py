@@ -12,7 +12,7 @@ import numpy as np
 
 from sherd.correspondence.point_map import PointMap
 from sherd.errors import InputError, SherdError
-from sherd.mesh.files import read_mesh
+from sherd.files.mesh_files import read_mesh
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.report.folder import folder_problems
 

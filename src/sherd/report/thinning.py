@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from sherd.arrays import Ints
 from sherd.errors import OptionError
 from sherd.mesh.surface_points import closest_points
 from sherd.mesh.triangle_mesh import TriangleMesh
@@ -18,8 +18,6 @@ __all__ = ["LARGEST_SHOWN", "Thinned", "thinned"]
 
 # Two shapes of this size still turn at 30 frames a second on an office laptop.
 LARGEST_SHOWN = 200_000
-
-Ints = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from sherd.arrays import Bools, Floats, Ints
 from sherd.errors import InfeasibleError
 from sherd.mesh.surface_points import SurfacePoints, points_at_vertices
 from sherd.mesh.triangle_mesh import TriangleMesh
 
 __all__ = ["clip"]
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 # A cut that passes a vertex within this share of an edge goes through the vertex instead:
 # otherwise it would leave triangles a hundred times longer than wide.
@@ -125,7 +123,7 @@ def _snapped(mesh: TriangleMesh, values: Floats) -> Floats:
     return level
 
 
-def _led(faces: Ints, rows: NDArray[np.bool_], lead: NDArray[np.bool_]) -> tuple[Ints, Ints]:
+def _led(faces: Ints, rows: Bools, lead: Bools) -> tuple[Ints, Ints]:
     """Numbers of the faces in `rows`, and their corners (3, r) turned to have `lead` first."""
     number = np.flatnonzero(rows)
     turn = (lead[number].argmax(axis=1)[:, None] + np.arange(3)) % 3

@@ -5,8 +5,8 @@ from __future__ import annotations
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from sherd.arrays import Floats, Ints
 from sherd.errors import OptionError, SherdError
 from sherd.mesh import topology
 from sherd.mesh.triangle_mesh import TriangleMesh
@@ -26,8 +26,6 @@ from sherd.spectral.subdivision import split_edges
 
 __all__ = ["creature", "landmarks"]
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 SMALLEST, LARGEST = 5_000, 1_000_000
 # Two cones of one limb swell by log 2 of this at their joint: 5 % of the thinnest leg's radius.

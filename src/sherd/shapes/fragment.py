@@ -14,12 +14,12 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from sherd.arrays import Bools, Floats, Ints, frozen
 from sherd.errors import InfeasibleError, InputError, OptionError
 from sherd.mesh.surface_points import SurfacePoints, closest_points, points_at_vertices
 from sherd.mesh.triangle_mesh import TriangleMesh
-from sherd.mesh.validate import frozen
 from sherd.shapes.clip import clip
 from sherd.shapes.truth import carried, true_region
 from sherd.spectral.geodesics import Geodesics
@@ -45,8 +45,6 @@ __all__ = [
     "with_flipped_faces",
 ]
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 # Height of the bumps on clutter, so that it is no sphere and no mirror image of itself.
 BUMPS = 0.25
@@ -76,7 +74,7 @@ class Fragment:
     mesh: TriangleMesh
     truth: SurfacePoints
     full: TriangleMesh
-    present: NDArray[np.bool_]
+    present: Bools
 
     def __post_init__(self) -> None:
         present = np.array(self.present, dtype=bool)
@@ -88,7 +86,7 @@ class Fragment:
         object.__setattr__(self, "present", frozen(present))
 
     @property
-    def region(self) -> NDArray[np.bool_]:
+    def region(self) -> Bools:
         """The vertices of the full shape that the part covers, (n_full,): `true_region`."""
         return true_region(self.full, self.mesh, self.truth, present=self.present)
 
@@ -334,7 +332,7 @@ def _taken(fragment: Fragment, mesh: TriangleMesh, points: SurfacePoints) -> Fra
     """The fragment on a new mesh whose vertices are `points` of the old one."""
     corners = fragment.mesh.faces[points.faces]
     used = points.barycentric > 0
-    present: NDArray[np.bool_] = np.all(fragment.present[corners] | ~used, axis=1)
+    present: Bools = np.all(fragment.present[corners] | ~used, axis=1)
     truth = carried(fragment.full, fragment.truth, corners, points.barycentric)
     return Fragment(mesh, truth, fragment.full, present)
 

@@ -13,12 +13,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+
+from sherd.arrays import Floats, Ints
 
 __all__ = ["RoundCones", "softmin_weights"]
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 # Points at a time: the working arrays of (points, cones, 3) stay in the cache or near it.
 BLOCK = 8192

@@ -11,11 +11,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+
+from sherd.arrays import Floats
 
 __all__ = ["BONES", "FLESH", "LANDMARKS", "POSES", "SEGMENTS", "Bone", "bone_frames", "rest_joints"]
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
+
+from sherd.arrays import Bools, Floats, Ints
 
 __all__ = ["surface_nets"]
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 # Side of the blocks that are skipped when the surface cannot reach them.
 BLOCK = 4
@@ -64,7 +63,7 @@ def _sampled(
     return stacked.reshape(tuple(shape))
 
 
-def _crossed_cells(inside: NDArray[np.bool_]) -> tuple[Ints, Ints]:
+def _crossed_cells(inside: Bools) -> tuple[Ints, Ints]:
     """Cells (v, 3) with corners on both sides, and the number of each cell (-1 elsewhere)."""
     size = np.array(inside.shape) - 1
     count = np.zeros(size, dtype=np.int8)
@@ -95,7 +94,7 @@ def _cell_vertices(values: Floats, cells: Ints) -> Floats:
     return cells + total / crossings
 
 
-def _quadrilaterals(inside: NDArray[np.bool_], number: Ints) -> Ints:
+def _quadrilaterals(inside: Bools, number: Ints) -> Ints:
     """The four cells around each crossed grid edge, (q, 4), counterclockwise from outside."""
     faces = []
     for axis in range(3):

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from sherd.arrays import Bools, Floats, Ints
 from sherd.errors import InputError
 from sherd.mesh.surface_points import SurfacePoints, closest_points
 from sherd.mesh.triangle_mesh import TriangleMesh
 
 __all__ = ["carried", "true_region"]
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 # Samples per vertex of the full shape, two for each of its faces.
 SAMPLES_PER_VERTEX = 4
@@ -59,7 +58,7 @@ def true_region(
     truth: SurfacePoints,
     *,
     present: ArrayLike | None = None,
-) -> NDArray[np.bool_]:
+) -> Bools:
     """The vertices of the full shape of whose area the part covers at least half, (n_full,).
 
     A vertex's area is that of its hat function, a third of the faces around it. The part's faces

@@ -4,19 +4,17 @@ from __future__ import annotations
 
 import logging
 from dataclasses import dataclass
-from typing import cast
 
 import numpy as np
 import robust_laplacian
-from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.linalg import LinearOperator, eigsh, splu
 from threadpoolctl import threadpool_limits
 
+from sherd.arrays import Floats, frozen
 from sherd.errors import OptionError
 from sherd.mesh.geometry import edge_lengths
 from sherd.mesh.triangle_mesh import TriangleMesh
-from sherd.mesh.validate import frozen
 from sherd.spectral.operators import stiffness
 
 __all__ = ["EigenBasis", "eigenbasis", "robust_operators"]
@@ -50,9 +48,9 @@ class EigenBasis:
         `"cotangent"`, or `"intrinsic Delaunay"` where flat faces made cotangents useless.
     """
 
-    eigenvalues: NDArray[np.float64]
-    eigenvectors: NDArray[np.float64]
-    vertex_areas: NDArray[np.float64]
+    eigenvalues: Floats
+    eigenvectors: Floats
+    vertex_areas: Floats
     residual: float
     laplacian: str
 
@@ -71,10 +69,10 @@ class EigenBasis:
             self.laplacian,
         )
 
-    def project(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
+    def project(self, values: Floats) -> Floats:
         """Coefficients (k,) or (k, c) of vertex values (n,) or (n, c): `Phi' A f`."""
         weighted = self.vertex_areas.reshape(-1, *([1] * (values.ndim - 1))) * values
-        coefficients: NDArray[np.float64] = self.eigenvectors.T @ weighted
+        coefficients: Floats = self.eigenvectors.T @ weighted
         return coefficients
 
 
@@ -118,10 +116,10 @@ def eigenbasis(mesh: TriangleMesh, size: int) -> EigenBasis:
     full[live] = vectors
     peak = full[np.abs(full).argmax(axis=0), np.arange(count)]
     full *= np.where(peak < 0, -1.0, 1.0)
-    return EigenBasis(_read_only(values), _read_only(full), _read_only(areas), residual, laplacian)
+    return EigenBasis(frozen(values), frozen(full), frozen(areas), residual, laplacian)
 
 
-def robust_operators(mesh: TriangleMesh) -> tuple[sparse.csr_array, NDArray[np.float64]]:
+def robust_operators(mesh: TriangleMesh) -> tuple[sparse.csr_array, Floats]:
     """Stiffness and vertex areas on the tufted intrinsic Delaunay cover.
 
     References
@@ -141,7 +139,7 @@ def robust_operators(mesh: TriangleMesh) -> tuple[sparse.csr_array, NDArray[np.f
     return sparse.csr_array(place @ sparse.csr_array(weak) @ place.T), areas
 
 
-def _operators(mesh: TriangleMesh) -> tuple[str, sparse.csr_array, NDArray[np.float64]]:
+def _operators(mesh: TriangleMesh) -> tuple[str, sparse.csr_array, Floats]:
     longest = edge_lengths(mesh.vertices, mesh.faces).max(axis=1)
     flat = 2 * mesh.face_areas <= FLAT_FACE * longest**2
     if not flat.any():
@@ -151,9 +149,7 @@ def _operators(mesh: TriangleMesh) -> tuple[str, sparse.csr_array, NDArray[np.fl
     return "intrinsic Delaunay", weak, areas
 
 
-def _smallest_pairs(
-    weak: sparse.csr_array, mass: NDArray[np.float64], count: int
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _smallest_pairs(weak: sparse.csr_array, mass: Floats, count: int) -> tuple[Floats, Floats]:
     """Pairs of `weak phi = lambda mass phi`, phi mass-orthonormal."""
     scale = 1.0 / np.sqrt(mass)
     scaling = sparse.diags_array(scale)
@@ -177,7 +173,3 @@ def _smallest_pairs(
         order = np.argsort(values, kind="stable")
         values, vectors = values[order], vectors[:, order]
     return values / total, scale[:, None] * vectors
-
-
-def _read_only(array: NDArray[np.float64]) -> NDArray[np.float64]:
-    return cast("NDArray[np.float64]", frozen(array))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.linalg import cg
 
@@ -13,7 +12,6 @@ from sherd.spectral.operators import stiffness
 
 __all__ = ["denoised", "noise_level"]
 
-Floats = NDArray[np.float64]
 
 # Mean curvature flow for a time of 5 sigma^2 averages over 3 sigma around each vertex. With noise
 # of 0.2 and of 0.4 of the vertex spacing, twice as much and half as much gave larger errors.

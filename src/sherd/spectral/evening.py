@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from sherd.arrays import Floats, Ints
 from sherd.mesh import topology
 from sherd.mesh.geometry import face_cross, face_normals, vertex_normals
 from sherd.spectral.operators import corner_cotangents
 
 __all__ = ["evened", "flipped_to_delaunay"]
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 # Cosine of the sharpest bend (45 degrees) across which an edge may be flipped: over a sharper one
 # the other diagonal would leave the surface.

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
+
+from sherd.arrays import Floats, Ints
 
 __all__ = ["farthest_points"]
 
 
 @njit(cache=True)
-def farthest_points(points: NDArray[np.float64], count: int, start: int) -> NDArray[np.int64]:
+def farthest_points(points: Floats, count: int, start: int) -> Ints:
     """Indices (count,) of a greedy farthest-point sample of points (n, 3); first index on ties."""
     size = len(points)
     nearest = np.full(size, np.inf)

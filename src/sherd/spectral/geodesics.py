@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import potpourri3d
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy import sparse
 from scipy.sparse import csgraph
 
+from sherd.arrays import Floats, Ints
 from sherd.errors import InvalidMeshError
 from sherd.mesh.triangle_mesh import TriangleMesh
 
@@ -53,16 +54,16 @@ class Geodesics:
         self._unit = mesh.length
 
     @property
-    def used_vertices(self) -> NDArray[np.int64]:
+    def used_vertices(self) -> Ints:
         """Indices of the vertices that belong to a face, ascending."""
         return self._used
 
     @property
-    def component_labels(self) -> NDArray[np.int64]:
+    def component_labels(self) -> Ints:
         """(n,) component of each vertex, 0 the one with most vertices."""
         return self._labels
 
-    def distances_from(self, sources: ArrayLike) -> NDArray[np.float64]:
+    def distances_from(self, sources: ArrayLike) -> Floats:
         """Distance from each source vertex to every vertex, (s, n) l; inf if not connected."""
         indices = self._checked(sources)
         rows = np.empty((len(indices), self._count))
@@ -70,11 +71,11 @@ class Geodesics:
             rows[row] = self._from_set(np.array([source]))
         return rows
 
-    def distances_to_set(self, sources: ArrayLike) -> NDArray[np.float64]:
+    def distances_to_set(self, sources: ArrayLike) -> Floats:
         """Distance from every vertex to the nearest of the sources, (n,) l; inf if none."""
         return self._from_set(self._checked(sources))
 
-    def _from_set(self, sources: NDArray[np.int64]) -> NDArray[np.float64]:
+    def _from_set(self, sources: Ints) -> Floats:
         distances = np.full(self._count, np.inf)
         if len(sources) == 0:
             return distances
@@ -93,7 +94,7 @@ class Geodesics:
         paths = csgraph.dijkstra(self._edges, indices=sources, directed=False, min_only=True)
         return np.asarray(paths)
 
-    def _checked(self, sources: ArrayLike) -> NDArray[np.int64]:
+    def _checked(self, sources: ArrayLike) -> Ints:
         indices = np.atleast_1d(np.asarray(sources, dtype=np.int64))
         bad = (indices < 0) | (indices >= self._count)
         if bad.any():

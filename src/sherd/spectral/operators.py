@@ -7,15 +7,12 @@ semidefinite, its rows sum to zero, and `u' W u` is the Dirichlet energy of u.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 
+from sherd.arrays import Floats, Ints
 from sherd.mesh.geometry import edge_lengths, face_areas, face_cross
 
 __all__ = ["corner_cotangents", "gradient", "stiffness", "voronoi_vertex_areas"]
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 
 def corner_cotangents(vertices: Floats, faces: Ints) -> Floats:

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pyfqmr
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from sherd.arrays import Floats, Ints
 from sherd.errors import OptionError
 from sherd.mesh import topology
 from sherd.mesh.surface_points import SurfacePoints, closest_points
@@ -16,8 +17,6 @@ from sherd.spectral.subdivision import split_long_edges
 
 __all__ = ["decimate", "farthest_point_sample", "farthest_point_sample_euclidean", "remesh"]
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 # pyfqmr stops short when its error threshold grows too slowly; it goes on from where it stopped.
 DECIMATION_ROUNDS = 4

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+
+from sherd.arrays import Bools, Floats, Ints
 
 __all__ = ["split_edges", "split_long_edges"]
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 # Children of a face (v0 v1 v2 and the middles m0 of v0v1, m1 of v1v2, m2 of v2v0 as 3, 4, 5) whose
 # cut edges are: all; the first two; the first only; none.
@@ -24,9 +23,7 @@ MAX_PASSES = 40
 MOST_VERTICES = 20_000_000
 
 
-def split_edges(
-    faces: Ints, count: int, chosen: NDArray[np.bool_] | None = None
-) -> tuple[Ints, Ints]:
+def split_edges(faces: Ints, count: int, chosen: Bools | None = None) -> tuple[Ints, Ints]:
     """Put a vertex on edges and split the faces at them in two, three or four.
 
     Parameters

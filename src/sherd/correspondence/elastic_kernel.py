@@ -1,0 +1,303 @@
+"""Compiled elastic surface: rotations and positions that keep a mesh as rigid as possible.
+
+    E(p) = sum over edges w_ij |p_i - p_j - R_ij (y_i - y_j)|^2 + sum_i (p_i - t_i)' D_i (p_i - t_i)
+
+with y the rest positions, R_ij the mean of the rotations of the two ends, w_ij cotangent weights,
+and data matrices D_i.
+
+References
+----------
+Sorkine, Alexa, *As-rigid-as-possible surface modeling*, 2007, equations 3, 5 and 8.
+Horn, *Closed-form solution of absolute orientation using unit quaternions*, 1987, section 4.
+Theobald, *Rapid calculation of RMSDs using a quaternion-based characteristic polynomial*, 2005.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numba
+import numpy as np
+
+from sherd.arrays import Floats, Ints
+from sherd.threads import over_rows
+
+__all__ = ["fit_rotations", "relax_positions", "softened", "strains"]
+
+
+# The root is off by 1e-16 over its gap, and the eigenvector by that over the gap again: six digits.
+SMALLEST_GAP = 1e-5
+
+
+def fit_rotations(
+    pointers: Ints,
+    neighbors: Ints,
+    weights: Floats,
+    rest: Floats,
+    positions: Floats,
+    rotations: Floats,
+) -> None:
+    """Write the rotations (n, 3, 3) that fit the edges at each vertex best."""
+    over_rows(_fit_rotations, len(rest), pointers, neighbors, weights, rest, positions, rotations)
+
+
+def strains(
+    pointers: Ints,
+    neighbors: Ints,
+    weights: Floats,
+    rest: Floats,
+    positions: Floats,
+    rotations: Floats,
+) -> Floats:
+    """Root of each vertex's share of E over its edges' squared lengths (n,): relative strain."""
+    result = np.empty(len(rest))
+    over_rows(_strains, len(rest), pointers, neighbors, weights, rest, positions, rotations, result)
+    return result
+
+
+def softened(pointers: Ints, neighbors: Ints, weights: Floats, strain: Floats) -> Floats:
+    """Edge weights divided by 1 + strain^2, mean of both ends: where it strains, creases form."""
+    result = np.empty(len(weights))
+    over_rows(_softened, len(strain), pointers, neighbors, weights, strain, result)
+    return result
+
+
+@numba.njit(cache=True, nogil=True)
+def _fit_rotations(rows, pointers, neighbors, weights, rest, positions, rotations):
+    for i in range(rows[0], rows[1]):
+        a = np.zeros((3, 3))
+        for entry in range(pointers[i], pointers[i + 1]):
+            j = neighbors[entry]
+            for r in range(3):
+                moved = weights[entry] * (positions[j, r] - positions[i, r])
+                for c in range(3):
+                    a[r, c] += moved * (rest[j, c] - rest[i, c])
+        _closest_rotation(a, rotations[i])
+
+
+@numba.njit(cache=True)
+def _closest_rotation(a, rotation):
+    """Rotation R of largest trace(R' a): the top eigenvector of Horn's matrix is its quaternion.
+
+    The largest eigenvalue is the root of the characteristic polynomial that Newton's method
+    reaches from above (Theobald 2005); its eigenvector is a column of the adjugate matrix. Where
+    it is nearly a double root, as for an edge alone, the general solver decides.
+    """
+    norm = 0.0
+    for r in range(3):
+        for c in range(3):
+            norm += a[r, c] * a[r, c]
+    norm = math.sqrt(norm)
+    if norm == 0.0:
+        rotation[:] = np.eye(3)
+        return
+    h = np.empty((4, 4))
+    _horn(a, norm, h)
+    top = _largest_root(h)
+    for k in range(4):
+        h[k, k] -= top
+    best, size = 0, 0.0
+    quaternion = np.empty((4, 4))
+    for k in range(4):
+        total = 0.0
+        for j in range(4):
+            quaternion[k, j] = _cofactor(h, k, j)
+            total += quaternion[k, j] * quaternion[k, j]
+        if total > size:
+            best, size = k, total
+    # the adjugate is the product of the three gaps to the other eigenvalues, and h has norm 1
+    if size < SMALLEST_GAP * SMALLEST_GAP:
+        for k in range(4):
+            h[k, k] += top
+        w, x, y, z = np.linalg.eigh(h)[1][:, 3]
+    else:
+        w, x, y, z = quaternion[best] / math.sqrt(size)
+    rotation[0, 0] = w * w + x * x - y * y - z * z
+    rotation[1, 1] = w * w - x * x + y * y - z * z
+    rotation[2, 2] = w * w - x * x - y * y + z * z
+    rotation[0, 1], rotation[1, 0] = 2 * (x * y - w * z), 2 * (x * y + w * z)
+    rotation[0, 2], rotation[2, 0] = 2 * (x * z + w * y), 2 * (x * z - w * y)
+    rotation[1, 2], rotation[2, 1] = 2 * (y * z - w * x), 2 * (y * z + w * x)
+
+
+@numba.njit(cache=True)
+def _horn(a, norm, h):
+    """Horn's symmetric matrix (4, 4) of a (3, 3), over its norm."""
+    s = a.T / norm
+    h[0, 0] = s[0, 0] + s[1, 1] + s[2, 2]
+    h[1, 1] = s[0, 0] - s[1, 1] - s[2, 2]
+    h[2, 2] = -s[0, 0] + s[1, 1] - s[2, 2]
+    h[3, 3] = -s[0, 0] - s[1, 1] + s[2, 2]
+    h[0, 1] = h[1, 0] = s[1, 2] - s[2, 1]
+    h[0, 2] = h[2, 0] = s[2, 0] - s[0, 2]
+    h[0, 3] = h[3, 0] = s[0, 1] - s[1, 0]
+    h[1, 2] = h[2, 1] = s[0, 1] + s[1, 0]
+    h[1, 3] = h[3, 1] = s[2, 0] + s[0, 2]
+    h[2, 3] = h[3, 2] = s[1, 2] + s[2, 1]
+
+
+@numba.njit(cache=True)
+def _largest_root(h):
+    """Largest eigenvalue of a symmetric traceless (4, 4), by Newton's method from above."""
+    # x^4 + c2 x^2 + c1 x + c0, by the sums of squares and cubes of the eigenvalues
+    square = h @ h
+    c2 = -0.5 * np.trace(square)
+    c1 = -(square * h).sum() / 3.0
+    c0 = 0.0
+    for j in range(4):
+        c0 += h[0, j] * _cofactor(h, 0, j)
+    x = math.sqrt(-1.5 * c2)  # no eigenvalue of four with sum zero is larger
+    for _ in range(50):
+        value = ((x * x + c2) * x + c1) * x + c0
+        slope = (4.0 * x * x + 2.0 * c2) * x + c1
+        if slope <= 0.0:
+            break
+        step = value / slope
+        x -= step
+        if abs(step) < 1e-14 * x:
+            break
+    return x
+
+
+@numba.njit(cache=True, inline="always")
+def _cofactor(h, row, column):
+    r0, r1, r2 = (row + 1) % 4, (row + 2) % 4, (row + 3) % 4
+    c0, c1, c2 = (column + 1) % 4, (column + 2) % 4, (column + 3) % 4
+    minor = (
+        h[r0, c0] * (h[r1, c1] * h[r2, c2] - h[r1, c2] * h[r2, c1])
+        - h[r0, c1] * (h[r1, c0] * h[r2, c2] - h[r1, c2] * h[r2, c0])
+        + h[r0, c2] * (h[r1, c0] * h[r2, c1] - h[r1, c1] * h[r2, c0])
+    )
+    # a cyclic order of three is an even permutation, so the signs are those of the sorted rows
+    return minor if (row + column) % 2 == 0 else -minor
+
+
+@numba.njit(cache=True)
+def relax_positions(  # noqa: PLR0913
+    pointers, neighbors, weights, rest, rotations, data, pull, positions, tolerance, limit
+):
+    """Positions (n, 3) of least energy for fixed rotations, by conjugate gradients.
+
+    They start from `positions`; `pull` (n, 3) are the data matrices times their targets.
+    Preconditioned by the inverse of the 3 x 3 diagonal blocks; stops when the residual has
+    fallen by `tolerance`, or after `limit` steps. On one core: a step is shorter than what it
+    costs to wait for another core that is busy with something else.
+    """
+    count = len(rest)
+    x = positions.copy()
+    residual, z, product = np.empty((count, 3)), np.empty((count, 3)), np.empty((count, 3))
+    blocks, inverse = np.empty((count, 6)), np.empty((count, 6))
+    rho = 0.0
+    for i in range(count):
+        _blocks(i, pointers, weights, data, blocks, inverse)
+        _multiply(i, pointers, neighbors, weights, blocks, x, product)
+        _right_side(i, pointers, neighbors, weights, rest, rotations, pull, residual)
+        for r in range(3):
+            residual[i, r] -= product[i, r]
+        rho += _precondition(i, inverse, residual, z)
+    direction = z.copy()
+    goal = rho * tolerance * tolerance
+    for _ in range(limit):
+        if rho <= goal or rho <= 0.0:
+            break
+        bend = 0.0
+        for i in range(count):
+            bend += _multiply(i, pointers, neighbors, weights, blocks, direction, product)
+        alpha = rho / bend
+        following = 0.0
+        for i in range(count):
+            for r in range(3):
+                x[i, r] += alpha * direction[i, r]
+                residual[i, r] -= alpha * product[i, r]
+            following += _precondition(i, inverse, residual, z)
+        beta = following / rho
+        for i in range(count):
+            for r in range(3):
+                direction[i, r] = z[i, r] + beta * direction[i, r]
+        rho = following
+    return x
+
+
+@numba.njit(cache=True, inline="always")
+def _blocks(i, pointers, weights, data, blocks, inverse):
+    """Write the diagonal block of one vertex, (xx, xy, xz, yy, yz, zz), and its inverse."""
+    diagonal = 1e-12
+    for entry in range(pointers[i], pointers[i + 1]):
+        diagonal += weights[entry]
+    xx, yy, zz = data[i, 0, 0] + diagonal, data[i, 1, 1] + diagonal, data[i, 2, 2] + diagonal
+    xy, xz, yz = data[i, 0, 1], data[i, 0, 2], data[i, 1, 2]
+    block = (xx, xy, xz, yy, yz, zz)
+    minors = (
+        yy * zz - yz * yz, xz * yz - xy * zz, xy * yz - xz * yy,
+        xx * zz - xz * xz, xy * xz - xx * yz, xx * yy - xy * xy,
+    )  # fmt: skip
+    scale = 1.0 / (xx * minors[0] + xy * minors[1] + xz * minors[2])
+    for k in range(6):
+        blocks[i, k] = block[k]
+        inverse[i, k] = scale * minors[k]
+
+
+@numba.njit(cache=True, inline="always")
+def _multiply(i, pointers, neighbors, weights, blocks, x, out):
+    """Row i of the energy's matrix times x, into `out`; returns its product with x."""
+    b = blocks[i]
+    x0, x1, x2 = x[i, 0], x[i, 1], x[i, 2]
+    t0 = b[0] * x0 + b[1] * x1 + b[2] * x2
+    t1 = b[1] * x0 + b[3] * x1 + b[4] * x2
+    t2 = b[2] * x0 + b[4] * x1 + b[5] * x2
+    for entry in range(pointers[i], pointers[i + 1]):
+        j, weight = neighbors[entry], weights[entry]
+        t0 -= weight * x[j, 0]
+        t1 -= weight * x[j, 1]
+        t2 -= weight * x[j, 2]
+    out[i, 0], out[i, 1], out[i, 2] = t0, t1, t2
+    return t0 * x0 + t1 * x1 + t2 * x2
+
+
+@numba.njit(cache=True, inline="always")
+def _right_side(i, pointers, neighbors, weights, rest, rotations, pull, out):
+    t0, t1, t2 = pull[i, 0], pull[i, 1], pull[i, 2]
+    for entry in range(pointers[i], pointers[i + 1]):
+        j, weight = neighbors[entry], 0.5 * weights[entry]
+        for c in range(3):
+            edge = weight * (rest[i, c] - rest[j, c])
+            t0 += (rotations[i, 0, c] + rotations[j, 0, c]) * edge
+            t1 += (rotations[i, 1, c] + rotations[j, 1, c]) * edge
+            t2 += (rotations[i, 2, c] + rotations[j, 2, c]) * edge
+    out[i, 0], out[i, 1], out[i, 2] = t0, t1, t2
+
+
+@numba.njit(cache=True, inline="always")
+def _precondition(i, inverse, residual, out):
+    """Row i of the inverse blocks times the residual, into `out`; returns their product."""
+    b = inverse[i]
+    x0, x1, x2 = residual[i, 0], residual[i, 1], residual[i, 2]
+    t0 = b[0] * x0 + b[1] * x1 + b[2] * x2
+    t1 = b[1] * x0 + b[3] * x1 + b[4] * x2
+    t2 = b[2] * x0 + b[4] * x1 + b[5] * x2
+    out[i, 0], out[i, 1], out[i, 2] = t0, t1, t2
+    return t0 * x0 + t1 * x1 + t2 * x2
+
+
+@numba.njit(cache=True, nogil=True)
+def _strains(rows, pointers, neighbors, weights, rest, positions, rotations, result):
+    for i in range(rows[0], rows[1]):
+        moved, size = 0.0, 1e-30
+        for entry in range(pointers[i], pointers[i + 1]):
+            j = neighbors[entry]
+            for r in range(3):
+                turned = 0.0
+                for c in range(3):
+                    turned += rotations[i, r, c] * (rest[j, c] - rest[i, c])
+                moved += weights[entry] * (positions[j, r] - positions[i, r] - turned) ** 2
+                size += weights[entry] * (rest[j, r] - rest[i, r]) ** 2
+        result[i] = math.sqrt(moved / size)
+
+
+@numba.njit(cache=True, nogil=True)
+def _softened(rows, pointers, neighbors, weights, strain, result):
+    for i in range(rows[0], rows[1]):
+        here = 1.0 / (1.0 + strain[i] * strain[i])
+        for entry in range(pointers[i], pointers[i + 1]):
+            there = strain[neighbors[entry]]
+            result[entry] = weights[entry] * 0.5 * (here + 1.0 / (1.0 + there * there))

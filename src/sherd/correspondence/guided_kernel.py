@@ -1,0 +1,109 @@
+"""Compiled: where the labeled neighbors of a node, its guides, place it.
+
+Kernels on plain arrays; :mod:`sherd.correspondence.labeling` says what labels and rotations mean.
+Guides are an array (k, g), padded with -1. `part` is the pair (between, directions) of the nodes,
+`full` the pair (label_to_label, label_headings), `state` the pair (labels, rotations) of all
+nodes, `settings` are as of :func:`sherd.correspondence.message_passing_kernel.labeling_costs`.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numba
+import numpy as np
+from numpy.typing import NDArray
+
+from sherd.arrays import Floats, Ints
+from sherd.threads import over_rows
+
+__all__ = ["best_placed", "guided_turns"]
+
+Pair = tuple[NDArray[Any], NDArray[Any]]
+Settings = tuple[float, ...]
+
+# Geodesics longer than a limb's width say little about one point.
+GUIDE_LENGTH = 0.15
+
+
+def best_placed(
+    nodes: Ints, guides: Ints, part: Pair, full: Pair, state: Pair, settings: Settings, count: int
+) -> tuple[Ints, Floats]:
+    """Labels (k, count) that agree best with the guides of `nodes` (k,), and their costs.
+
+    Equal costs are in the order of the labels.
+    """
+    labels, costs = np.empty((len(nodes), count), dtype=np.int64), np.empty((len(nodes), count))
+    over_rows(_best_placed, len(nodes), nodes, guides, part, full, state, settings, labels, costs)
+    return labels, costs
+
+
+def guided_turns(
+    nodes: Ints, guides: Ints, at: Ints, part: Pair, full: Pair, state: Pair
+) -> Floats:
+    """Rotation (k, c) of each of `nodes` (k,) at labels `at` (k, c) that its guides agree on."""
+    turns = np.empty(at.shape)
+    over_rows(_guided_turns, len(nodes), nodes, guides, at, part, full, state, turns)
+    return turns
+
+
+@numba.njit(cache=True, nogil=True)
+def _best_placed(rows, nodes, guides, part, full, state, settings, labels, costs):  # noqa: PLR0913
+    for row in range(rows[0], rows[1]):
+        misfit = np.empty(full[0].shape[0])
+        _misfits(nodes[row], guides[row], part, full, state, settings, misfit)
+        for rank in range(labels.shape[1]):
+            best = np.argmin(misfit)
+            labels[row, rank], costs[row, rank] = best, misfit[best]
+            misfit[best] = np.inf
+
+
+@numba.njit(cache=True)
+def _misfits(node, guides, part, full, state, settings, misfit):
+    """Write the cost (s,) of every label for one node: length and direction from each guide."""
+    between, directions = part
+    label_distances, headings = full
+    labels, rotations = state
+    sigma_zero, sigma_slope, limit, longer_limit, sigma_angle = settings
+    misfit[:] = 0.0
+    for guide in guides:
+        if guide < 0:
+            break
+        length = between[node, guide]
+        if length == np.inf:
+            continue
+        near = 1.0 / (1.0 + (length / GUIDE_LENGTH) ** 2)
+        scale = 1.0 / (sigma_zero + sigma_slope * length)
+        distances, there = label_distances[labels[guide]], headings[labels[guide]]
+        angle = directions[guide, node] - rotations[guide]
+        along, across = math.cos(angle), math.sin(angle)
+        for label in range(len(misfit)):
+            off = (distances[label] - length) * scale
+            square = min(off * off, 1e12)  # labels on other components are infinitely far
+            agreement = along * there[label, 0] + across * there[label, 1]
+            turn = 2.0 * (1.0 - agreement) / sigma_angle**2
+            length_limit = longer_limit if off > 0.0 else limit
+            cost = square / (1.0 + square / length_limit) + 0.5 * turn / (1.0 + turn / limit)
+            misfit[label] += near * cost
+
+
+@numba.njit(cache=True, nogil=True)
+def _guided_turns(rows, nodes, guides, at, part, full, state, turns):
+    between, directions = part
+    headings = full[1]
+    labels = state[0]
+    for row in range(rows[0], rows[1]):
+        node = nodes[row]
+        for rank in range(at.shape[1]):
+            here = at[row, rank]
+            along, across = 0.0, 0.0
+            for guide in guides[row]:
+                if guide < 0:
+                    break
+                near = 1.0 / (1.0 + (between[node, guide] / GUIDE_LENGTH) ** 2)
+                c, s = math.cos(directions[node, guide]), math.sin(directions[node, guide])
+                there = headings[here, labels[guide]]
+                along += near * (c * there[0] + s * there[1])
+                across += near * (s * there[0] - c * there[1])
+            turns[row, rank] = math.atan2(across, along)

@@ -1,0 +1,68 @@
+"""Compiled: the soft maximum of similarity over a ball.
+
+Kernels on plain arrays; :mod:`sherd.correspondence.similar_places` says what is compared.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numba
+import numpy as np
+
+from sherd.descriptors.rotation_kernel import similarity_of_two
+from sherd.mesh.vertex_cells_kernel import vertices_in_ball
+
+__all__ = ["most_alike"]
+
+# Similarities within 0.02 of the best are equally good.
+SOFTNESS = 0.02
+# A target that is spread wider than a vertex spacing is a weak one.
+SPREAD = 0.012
+# The largest ball on two sheets of 20,000 vertices holds 300. Crumpled pages may fill one with
+# thousands; every tenth will do.
+MOST_PLACES = 400
+
+
+@numba.njit(cache=True, nogil=True)
+def most_alike(rows, here, nearest, cells, surface, spectra, reach, answers):
+    """Write targets, confidence and similarity; see :func:`similar_places`."""
+    vertices, normals, areas = surface
+    full_spectra, part_spectra, waves = spectra
+    targets, confidence, similarity = answers
+    for row in range(rows[0], rows[1]):
+        near = vertices_in_ball(here[row], reach, vertices, cells)
+        if len(near) == 0:
+            near = nearest[row : row + 1]
+        near = near[:: 1 + len(near) // MOST_PLACES]
+        count = len(near)
+        score, offset = np.empty(count), np.empty((count, 3))
+        up = normals[nearest[row]]
+        best, alike = -np.inf, -np.inf
+        for k in range(count):
+            vertex = near[k]
+            value = similarity_of_two(full_spectra, vertex, part_spectra, row, waves)
+            alike = max(alike, value)
+            distance, agreement = 0.0, 0.0
+            for axis in range(3):
+                offset[k, axis] = vertices[vertex, axis] - here[row, axis]
+                distance += offset[k, axis] ** 2
+                agreement += normals[vertex, axis] * up[axis]
+            # of two equally similar places the nearer one
+            score[k] = value - 0.5 * SOFTNESS * distance / (0.6 * reach) ** 2
+            if agreement < 0.2:
+                score[k] -= 1.0  # another sheet
+            best = max(best, score[k])
+        total, spread = 0.0, 0.0
+        mean = np.zeros(3)
+        for k in range(count):
+            score[k] = math.exp((score[k] - best) / SOFTNESS) * areas[near[k]]
+            total += score[k]
+            mean += score[k] * offset[k]
+        mean /= max(total, 1e-300)
+        for k in range(count):
+            spread += score[k] * ((offset[k] - mean) ** 2).sum()
+        spread /= max(total, 1e-300)
+        targets[row] = here[row] + mean
+        confidence[row] = 1.0 / (1.0 + spread / SPREAD**2)
+        similarity[row] = alike

@@ -1,0 +1,1 @@
+"""The energies of the founding paper and their solvers."""

@@ -1,0 +1,1 @@
+"""Named repairs and what is wrong with a mesh."""
