@@ -1,10 +1,10 @@
 """Partial matching of non-rigid 3D shapes: find where a piece belongs on the whole.
 
 >>> import sherd
->>> full = sherd.creature(5000)
->>> part = sherd.cut_by_ball(sherd.whole(sherd.creature(5000, pose="walk"), full), 0, 0.4).mesh
->>> region = sherd.locate(full, part)
->>> region.check().passed
+>>> from sherd.shapes import creature, cut_by_ball, whole
+>>> full = creature(5000)
+>>> part = cut_by_ball(whole(creature(5000, pose="walk"), full), 0, 0.4).mesh
+>>> sherd.locate(full, part).check().passed
 True
 """
 
@@ -18,8 +18,6 @@ from typing import TYPE_CHECKING, Any
 from sherd._version import __version__
 
 if TYPE_CHECKING:
-    from sherd.correspondence.point_map import PointMap
-    from sherd.either_side import match_either_side
     from sherd.energy.convergence import Convergence
     from sherd.errors import (
         InfeasibleError,
@@ -32,136 +30,95 @@ if TYPE_CHECKING:
     )
     from sherd.files.cloud_files import read_scan
     from sherd.files.mesh_files import read_mesh, write_mesh
-    from sherd.match import Alternative, MatchOptions, MatchResult, MatchStatus, match
+    from sherd.locate import locate
+    from sherd.match import match
     from sherd.mesh.point_cloud import PointCloud
     from sherd.mesh.surface_points import SurfacePoints
     from sherd.mesh.triangle_mesh import TriangleMesh
-    from sherd.region.locate import locate
-    from sherd.region.options import LocateOptions
-    from sherd.region.region import Placement, Region
     from sherd.repair.inspection import MeshReport, inspect
     from sherd.repair.repair import RepairReport, repair
-    from sherd.report.match_report import write_match_report
     from sherd.report.notebook import plot, show
-    from sherd.report.region_report import write_region_report
     from sherd.report.stored_match import read_match
+    from sherd.report.write import write_report
+    from sherd.results.locate_options import LocateOptions
+    from sherd.results.locate_result import LocateResult
+    from sherd.results.match_options import MatchOptions
+    from sherd.results.match_result import MatchResult
+    from sherd.results.placement import Placement
+    from sherd.results.status import Status
     from sherd.scan.surface_from_points import surface_from_points
-    from sherd.shapes.creature import creature, landmarks
-    from sherd.shapes.fragment import Fragment, cut_by_ball, cut_by_plane, remeshed, whole
-    from sherd.template import Template
-    from sherd.transfer import (
-        field_to_full,
-        field_to_part,
-        labels_to_full,
-        labels_to_part,
-        landmarks_to_full,
-        landmarks_to_part,
-    )
+    from sherd.surface.template import Template
 
 # Where each public name lives. Names are loaded when first used, so `import sherd` stays light.
 _HOMES = {
-    "Alternative": "sherd.match",
-    "Fragment": "sherd.shapes.fragment",
+    "Convergence": "sherd.energy.convergence",
     "InfeasibleError": "sherd.errors",
     "InputError": "sherd.errors",
     "InvalidMeshError": "sherd.errors",
-    "LocateOptions": "sherd.region.options",
-    "MatchOptions": "sherd.match",
-    "MatchResult": "sherd.match",
-    "MatchStatus": "sherd.match",
+    "LocateOptions": "sherd.results.locate_options",
+    "LocateResult": "sherd.results.locate_result",
+    "MatchOptions": "sherd.results.match_options",
+    "MatchResult": "sherd.results.match_result",
     "MeshFileError": "sherd.errors",
     "MeshReport": "sherd.repair.inspection",
     "OptionError": "sherd.errors",
     "OutputError": "sherd.errors",
-    "Placement": "sherd.region.region",
+    "Placement": "sherd.results.placement",
     "PointCloud": "sherd.mesh.point_cloud",
-    "PointMap": "sherd.correspondence.point_map",
-    "Region": "sherd.region.region",
     "RepairReport": "sherd.repair.repair",
     "SherdError": "sherd.errors",
-    "Convergence": "sherd.energy.convergence",
+    "Status": "sherd.results.status",
     "SurfacePoints": "sherd.mesh.surface_points",
-    "Template": "sherd.template",
+    "Template": "sherd.surface.template",
     "TriangleMesh": "sherd.mesh.triangle_mesh",
-    "creature": "sherd.shapes.creature",
-    "cut_by_ball": "sherd.shapes.fragment",
-    "cut_by_plane": "sherd.shapes.fragment",
-    "field_to_full": "sherd.transfer",
-    "field_to_part": "sherd.transfer",
     "inspect": "sherd.repair.inspection",
-    "labels_to_full": "sherd.transfer",
-    "labels_to_part": "sherd.transfer",
-    "landmarks": "sherd.shapes.creature",
-    "landmarks_to_full": "sherd.transfer",
-    "landmarks_to_part": "sherd.transfer",
-    "locate": "sherd.region.locate",
+    "locate": "sherd.locate",
     "match": "sherd.match",
-    "match_either_side": "sherd.either_side",
     "plot": "sherd.report.notebook",
     "read_match": "sherd.report.stored_match",
     "read_mesh": "sherd.files.mesh_files",
     "read_scan": "sherd.files.cloud_files",
-    "remeshed": "sherd.shapes.fragment",
     "repair": "sherd.repair.repair",
     "show": "sherd.report.notebook",
     "surface_from_points": "sherd.scan.surface_from_points",
-    "whole": "sherd.shapes.fragment",
-    "write_match_report": "sherd.report.match_report",
     "write_mesh": "sherd.files.mesh_files",
-    "write_region_report": "sherd.report.region_report",
+    "write_report": "sherd.report.write",
 }
 
 __all__ = [
-    "Alternative",
     "Convergence",
-    "Fragment",
     "InfeasibleError",
     "InputError",
     "InvalidMeshError",
     "LocateOptions",
+    "LocateResult",
     "MatchOptions",
     "MatchResult",
-    "MatchStatus",
     "MeshFileError",
     "MeshReport",
     "OptionError",
     "OutputError",
     "Placement",
     "PointCloud",
-    "PointMap",
-    "Region",
     "RepairReport",
     "SherdError",
+    "Status",
     "SurfacePoints",
     "Template",
     "TriangleMesh",
     "__version__",
-    "creature",
-    "cut_by_ball",
-    "cut_by_plane",
-    "field_to_full",
-    "field_to_part",
     "inspect",
-    "labels_to_full",
-    "labels_to_part",
-    "landmarks",
-    "landmarks_to_full",
-    "landmarks_to_part",
     "locate",
     "match",
-    "match_either_side",
     "plot",
     "read_match",
     "read_mesh",
     "read_scan",
-    "remeshed",
     "repair",
     "show",
     "surface_from_points",
-    "whole",
-    "write_match_report",
     "write_mesh",
-    "write_region_report",
+    "write_report",
 ]
 
 

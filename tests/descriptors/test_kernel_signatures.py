@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sherd.descriptors.field import Surface
+from sherd.descriptors.field import SpectralSurface
 from sherd.descriptors.heat_kernel_signature import (
     HeatKernel,
     automatic_times,
@@ -73,14 +73,14 @@ def test_heat_kernel_has_no_unit(square) -> None:
     fields = []
     for factor in (1.0, 1000.0):
         mesh = square.with_vertices(square.vertices * factor)
-        surface = Surface(mesh, eigenbasis(mesh, 60), mesh.length, np.full(mesh.vertex_count, 1.0))
+        surface = SpectralSurface(mesh, eigenbasis(mesh, 60), mesh.length, np.full(mesh.vertex_count, 1.0))
         fields.append(HeatKernel(times).describe(surface).values)
     np.testing.assert_allclose(fields[0], fields[1], rtol=1e-6)
 
 
 def test_automatic_times_leave_half_of_the_part(square, basis) -> None:
     distance = Geodesics(square).distances_to_set(square.boundary_vertices)
-    surface = Surface(square, basis, square.length, distance)
+    surface = SpectralSurface(square, basis, square.length, distance)
     times = automatic_times([surface], 6)
     assert np.all(np.diff(times) > 0)
     assert np.exp(-basis.eigenvalues[-1] * times[0]) < 0.02
@@ -97,7 +97,7 @@ def test_wave_kernel_weights_sum_to_one(square, basis) -> None:
 def test_wave_kernel_field_marks_the_edge(square, basis) -> None:
     distance = Geodesics(square).distances_to_set(square.boundary_vertices)
     field = WaveKernel.between(100.0, 1000.0, 5).describe(
-        Surface(square, basis, square.length, distance)
+        SpectralSurface(square, basis, square.length, distance)
     )
     assert field.values.shape == (square.vertex_count, 5)
     assert not field.valid[square.boundary_vertices].any()

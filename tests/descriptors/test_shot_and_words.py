@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sherd.descriptors.field import Surface
+from sherd.descriptors.field import SpectralSurface
 from sherd.descriptors.rotation_shot import mirrored_spectra, rotation_spectra, similarity
 from sherd.descriptors.shot import Shot, shot
 from sherd.descriptors.tangent_frames import smoothed_normals, tangent_axes
@@ -87,7 +87,7 @@ def test_mirrored_spectra_are_those_of_the_mirror_image(animal) -> None:
 
 def test_fields_mark_what_the_cut_spoils(animal) -> None:
     distance = np.linspace(0, 0.3, animal.vertex_count)
-    surface = Surface(animal, eigenbasis(animal, 2), animal.length, distance)
+    surface = SpectralSurface(animal, eigenbasis(animal, 2), animal.length, distance)
     field = Shot((0.07,)).describe(surface)
     np.testing.assert_array_equal(field.interior, distance >= 0.07)
 

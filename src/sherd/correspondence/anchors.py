@@ -6,7 +6,7 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse import csgraph
 
-from sherd.arrays import Bools, Floats, Ints, Singles
+from sherd.arrays import Bools, Floats, Ints
 from sherd.correspondence.guided_kernel import best_placed, guided_turns
 from sherd.correspondence.labeling import (
     CUT_TRUST,
@@ -17,6 +17,7 @@ from sherd.correspondence.labeling import (
     Problem,
     solve,
 )
+from sherd.correspondence.labeling_data import State
 
 __all__ = ["find_anchors", "grown"]
 
@@ -32,6 +33,22 @@ CORE_REACH = 0.2
 ELSEWHERE = 0.1
 # If nearly all nodes are core there is nothing to grow.
 GROWN_ENOUGH = 0.97
+# Of nodes that already have a label so many say where a node is: twice what pins a place and a
+# direction for one that is grown, more where single ones may be wrong, fewer for its rotation only.
+GROWING_GUIDES, PROPOSING_GUIDES, TURNING_GUIDES = 10, 14, 8
+# A guide at odds with its own neighbors, by so many units of mean cost, stands back behind those
+# that are farther away by this much, three spacings of nodes.
+ODD_COST, ODD_DISTANCE = 1.5, 0.15
+# Two nodes of the core agree: in length within a label's spacing and the stretch of skin, and in
+# both directions together within 50 degrees on average (cosines that add up to 0.8 or more).
+CORE_LENGTH, CORE_STRETCH, CORE_COSINES = 0.03, 0.15, 0.8
+# Among so many labels that suit the guides equally similarity decides; it weighs half as much as
+# in the labeling, since guides are few.
+LEADERS, LEADER_WEIGHT = 25, 0.5
+# The labels around one: two rings.
+AROUND = 16
+# Four neighbors say where a node could be as well.
+NEAR_LABELS = 4
 
 
 def find_anchors(
@@ -45,7 +62,7 @@ def find_anchors(
     labels, rotations = similar, _at(turn, similar)
     best = solve(problem, labels, rotations, step=step)
     for _ in range(rounds - 1):
-        near = np.argsort(problem.part.between, axis=1, kind="stable")[:, 1:5]
+        near = np.argsort(problem.nodes.between, axis=1, kind="stable")[:, 1 : 1 + NEAR_LABELS]
         proposed, proposed_turns = _proposals(problem, best)
         from_near = best.labels[near]
         half = similar[:, : CANDIDATES // 2]
@@ -58,7 +75,7 @@ def find_anchors(
     best = other if other.energy < best.energy else best
     other = grown(problem, best, _far_from_cut(problem), step=step)
     # Relabeling alone lowers the energy, but rather lets labels slide than finds better ones.
-    moved = problem.template.label_to_label[best.labels, other.labels].max()
+    moved = problem.labels.between[best.labels, other.labels].max()
     return other if other.energy < best.energy and moved > ELSEWHERE else best
 
 
@@ -76,15 +93,16 @@ def grown(
     if not kept.any() or kept.sum() > GROWN_ENOUGH * len(kept):
         return labeling
     labels, rotations, accepted = labeling.labels.copy(), labeling.rotations.copy(), kept.copy()
-    between = problem.part.between
+    between = problem.nodes.between
     while not accepted.all():
         inside = np.flatnonzero(accepted)
         gap = np.where(accepted, np.inf, between[:, inside].min(axis=1))
         node = int(gap.argmin())
         if not np.isfinite(gap[node]):
             break
-        guides = inside[np.argsort(between[node, inside], kind="stable")[:10]]
-        labels[node], rotations[node] = _best_from(problem, node, guides, (labels, rotations, step))
+        guides = inside[np.argsort(between[node, inside], kind="stable")[:GROWING_GUIDES]]
+        state = State(labels, rotations)
+        labels[node], rotations[node] = _best_from(problem, node, guides, state, step=step)
         accepted[node] = True
     result = Labeling(labels, rotations, np.zeros(len(labels)), np.inf)
     for _ in range(2):
@@ -113,17 +131,9 @@ def _at(turn: Floats, labels: Ints) -> Floats:
     return np.take_along_axis(turn, labels, axis=1)
 
 
-def _full(problem: Problem) -> tuple[Singles, Singles]:
-    return problem.template.label_to_label, problem.template.label_headings
-
-
-def _part(problem: Problem) -> tuple[Floats, Singles]:
-    return problem.part.between, problem.part.directions
-
-
 def _guides(problem: Problem, labeling: Labeling, count: int) -> Ints:
     """Nodes (k, count) near each node whose own neighborhoods agree; -1 where there are no more."""
-    rank = problem.part.between + 0.15 * (labeling.local_cost > 1.5)
+    rank = problem.nodes.between + ODD_DISTANCE * (labeling.local_cost > ODD_COST)
     np.fill_diagonal(rank, np.inf)
     order = np.argsort(rank, axis=1, kind="stable")[:, :count]
     guides: Ints = np.where(np.isfinite(np.take_along_axis(rank, order, axis=1)), order, -1)
@@ -133,10 +143,12 @@ def _guides(problem: Problem, labeling: Labeling, count: int) -> Ints:
 def _proposals(problem: Problem, labeling: Labeling) -> tuple[Ints, Floats]:
     """Labels (k, p) and rotations where the neighbors of each node place it."""
     nodes = np.arange(len(labeling.labels))
-    guides = _guides(problem, labeling, 14)
-    state = (labeling.labels, labeling.rotations)
-    part, full = _part(problem), _full(problem)
-    labels, _ = best_placed(nodes, guides, part, full, state, problem.settings, PROPOSALS)
+    guides = _guides(problem, labeling, PROPOSING_GUIDES)
+    state = State(labeling.labels, labeling.rotations)
+    part, full = problem.part_geometry, problem.full_geometry
+    labels, _ = best_placed(
+        nodes, guides, part, full, state, problem.question.comparison, PROPOSALS
+    )
     rotations = guided_turns(nodes, guides, labels, part, full, state)
     alone = guides[:, 0] < 0
     labels[alone], rotations[alone] = labeling.labels[alone, None], labeling.rotations[alone, None]
@@ -150,25 +162,25 @@ def _far_from_cut(problem: Problem) -> Bools:
     cost, so it may lie folded aside, consistent with itself and with its stump. Grown from inside,
     it follows the directions of geodesics instead.
     """
-    far: Bools = problem.part.cut_distance[problem.part.nodes] >= CUT_TRUST
+    far: Bools = problem.node_depth >= CUT_TRUST
     return far
 
 
 def _core(problem: Problem, labeling: Labeling) -> Bools:
     """Nodes of the largest component of mutually consistent nodes."""
     labels, rotations = labeling.labels, labeling.rotations
-    template, between = problem.template, problem.part.between
-    distance = template.label_to_label[np.ix_(labels, labels)]
+    between = problem.nodes.between
+    distance = problem.labels.between[np.ix_(labels, labels)]
     turn = (
-        problem.part.directions
-        - template.label_directions[np.ix_(labels, labels)]
+        problem.nodes.directions
+        - problem.labels.directions[np.ix_(labels, labels)]
         - rotations[:, None]
     )
     agreement = np.cos(turn)
     near = (between < CORE_REACH) & (between > 0)
     length = np.where(near, between, 0.0)  # elsewhere both may be infinite
-    agree = near & (np.abs(distance - length) < 0.03 + 0.15 * length)
-    agree &= agreement + agreement.T > 0.8
+    agree = near & (np.abs(distance - length) < CORE_LENGTH + CORE_STRETCH * length)
+    agree &= agreement + agreement.T > CORE_COSINES
     agree &= agree.T
     core = agree.sum(axis=1) > CORE_SHARE * np.maximum(near.sum(axis=1), 1)
     if not core.any():
@@ -181,31 +193,30 @@ def _core(problem: Problem, labeling: Labeling) -> Bools:
 
 
 def _best_from(
-    problem: Problem, node: int, guides: Ints, state: tuple[Ints, Floats, float]
+    problem: Problem, node: int, guides: Ints, state: State, *, step: float
 ) -> tuple[int, float]:
-    """The label and rotation of one node by its guides, similarity deciding among the 25 best."""
-    labels, rotations, step = state
+    """The label and rotation of one node by its guides, similarity deciding among the leaders."""
     nodes, rows = np.array([node]), guides[None, :]
-    part, full = _part(problem), _full(problem)
-    at, misfit = best_placed(nodes, rows, part, full, (labels, rotations), problem.settings, 25)
-    turn = guided_turns(nodes, rows, at, part, full, (labels, rotations))[0]
+    part, full = problem.part_geometry, problem.full_geometry
+    at, misfit = best_placed(nodes, rows, part, full, state, problem.question.comparison, LEADERS)
+    turn = guided_turns(nodes, rows, at, part, full, state)[0]
     shifts = problem.similarity.shape[2]
     shift = np.round(turn / (2 * np.pi) * shifts).astype(np.int64) % shifts
     lack = (problem.similarity[node].max() - problem.similarity[node, at[0], shift]) / step
-    cost = misfit[0] + 0.5 * UNARY_WEIGHT * lack / (1 + lack / SIMILARITY_LIMIT)
+    cost = misfit[0] + LEADER_WEIGHT * UNARY_WEIGHT * lack / (1 + lack / SIMILARITY_LIMIT)
     best = int(cost.argmin())
     return int(at[0, best]), float(turn[best])
 
 
 def _local_candidates(problem: Problem, labeling: Labeling) -> tuple[Ints, Floats]:
-    """Where each node is, where its neighbors place it, and the 16 labels around."""
+    """Where each node is, where its neighbors place it, and the labels around."""
     proposed, turns = _proposals(problem, labeling)
-    around = np.argsort(problem.template.label_to_label[labeling.labels], axis=1, kind="stable")
-    around = np.ascontiguousarray(around[:, :16])
-    guides = _guides(problem, labeling, 8)
-    state = (labeling.labels, labeling.rotations)
+    around = np.argsort(problem.labels.between[labeling.labels], axis=1, kind="stable")
+    around = np.ascontiguousarray(around[:, :AROUND])
+    guides = _guides(problem, labeling, TURNING_GUIDES)
+    state = State(labeling.labels, labeling.rotations)
     around_turns = guided_turns(
-        np.arange(len(around)), guides, around, _part(problem), _full(problem), state
+        np.arange(len(around)), guides, around, problem.part_geometry, problem.full_geometry, state
     )
     alone = guides[:, 0] < 0
     around_turns[alone] = labeling.rotations[alone, None]

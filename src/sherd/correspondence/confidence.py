@@ -6,10 +6,10 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from sherd.arrays import Bools, Floats
-from sherd.correspondence.hypothesis import Hypothesis, Queries
-from sherd.correspondence.part_data import PartData
-from sherd.correspondence.registration import Placement
+from sherd.correspondence.registration import Deformation
+from sherd.correspondence.working_placement import Queries, WorkingPlacement
 from sherd.mesh.geometry import vertex_normals
+from sherd.surface.described import DescribedSurface
 
 __all__ = [
     "FEATURES",
@@ -17,8 +17,8 @@ __all__ = [
     "confidence_features",
     "confidences",
     "foreign_vertices",
-    "laid_double",
     "matched_vertices",
+    "share_laid_double",
 ]
 
 
@@ -40,7 +40,7 @@ APART, TOGETHER = 0.2, 0.02
 
 
 def confidence_features(
-    part: PartData, queries: Queries, best: Hypothesis, other: Hypothesis
+    part: DescribedSurface, queries: Queries, best: WorkingPlacement, other: WorkingPlacement
 ) -> Floats:
     """Features (n', 6) of every vertex of the part itself, see `FEATURES`; near 0 when all is well.
 
@@ -53,14 +53,13 @@ def confidence_features(
     near = near.reshape(len(positions), -1)
     lack = (1.0 - np.clip(best.similarity, 0.0, 1.0))[near].mean(axis=1)
     strain = np.minimum(best.strain[queries.vertices], 1.0)[near].mean(axis=1)
-    apart = np.linalg.norm(best.placement.positions - other.placement.positions, axis=1)
+    apart = np.linalg.norm(best.deformation.positions - other.deformation.positions, axis=1)
     ones = np.ones(len(positions))
     features = np.stack(
         [ones, lack, strain, np.minimum(apart, 0.3), ones * lack.mean(), ones * strain.mean()],
         axis=1,
     )
-    own = part.own_vertices
-    return features if own is None else own.interpolate(part.mesh, features)
+    return part.working.at_own_vertices(features)
 
 
 def confidences(features: Floats) -> Floats:
@@ -80,7 +79,7 @@ def matched_vertices(features: Floats) -> Bools:
     return ~unlike
 
 
-def foreign_vertices(part: PartData, queries: Queries, best: Hypothesis) -> Bools:
+def foreign_vertices(part: DescribedSurface, queries: Queries, best: WorkingPlacement) -> Bools:
     """The vertices (n',) of the part itself whose component fits nowhere: clutter.
 
     All components are placed together, so one that has no place is laid somewhere all the same,
@@ -96,23 +95,24 @@ def foreign_vertices(part: PartData, queries: Queries, best: Hypothesis) -> Bool
     total = np.bincount(labels, areas, count)
     score = similarity / np.maximum(asked, 1) - 0.5 * strain / np.maximum(total, 1e-300)
     foreign = (asked > 0) & (score < FOREIGN * score[total.argmax()])
-    own = part.own_vertices
-    result: Bools = foreign[labels if own is None else labels[own.nearest_vertices(part.mesh)]]
+    own = part.working.working_vertices(np.arange(part.placed.vertex_count))
+    result: Bools = foreign[labels[own]]
     return result
 
 
-def laid_double(part: PartData, placement: Placement) -> float:
+def share_laid_double(part: DescribedSurface, deformation: Deformation) -> float:
     """Share of the part's nodes that lie where another point of the part lies, from 0 to 1.
 
     Two legs laid on one leg have similar neighborhoods and no strain; only this tells. The other
     side of a thin sheet looks the other way and does not count.
     """
-    positions = placement.positions
+    positions = deformation.positions
     normals = vertex_normals(positions, part.mesh.faces)
-    found = cKDTree(positions).query_ball_point(positions[part.nodes], TOGETHER)
+    found = cKDTree(positions).query_ball_point(positions[part.sparse.vertices], TOGETHER)
+    nodes, distances = part.sparse.vertices, part.sparse.distances
     double = 0
     for node, row in enumerate(found):
         near = np.asarray(row, dtype=np.int64)
-        same_side = normals[near] @ normals[part.nodes[node]] > 0.5
-        double += bool((same_side & (part.node_distances[node, near] > APART)).any())
-    return double / len(part.nodes)
+        same_side = normals[near] @ normals[nodes[node]] > 0.5
+        double += bool((same_side & (distances[node, near] > APART)).any())
+    return double / len(nodes)

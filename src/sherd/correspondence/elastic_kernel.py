@@ -19,7 +19,8 @@ import math
 import numba
 import numpy as np
 
-from sherd.arrays import Floats, Ints
+from sherd.arrays import Floats
+from sherd.surface.elastic_surface import ElasticSurface
 from sherd.threads import over_rows
 
 __all__ = ["fit_rotations", "relax_positions", "softened", "strains"]
@@ -29,41 +30,30 @@ __all__ = ["fit_rotations", "relax_positions", "softened", "strains"]
 SMALLEST_GAP = 1e-5
 
 
-def fit_rotations(
-    pointers: Ints,
-    neighbors: Ints,
-    weights: Floats,
-    rest: Floats,
-    positions: Floats,
-    rotations: Floats,
-) -> None:
-    """Write the rotations (n, 3, 3) that fit the edges at each vertex best."""
-    over_rows(_fit_rotations, len(rest), pointers, neighbors, weights, rest, positions, rotations)
+def fit_rotations(elastic: ElasticSurface, positions: Floats) -> Floats:
+    """The rotations (n, 3, 3) that fit the edges at each vertex best."""
+    rotations = np.empty((len(elastic.rest), 3, 3))
+    over_rows(_fit_rotations, len(elastic.rest), elastic, positions, rotations)
+    return rotations
 
 
-def strains(
-    pointers: Ints,
-    neighbors: Ints,
-    weights: Floats,
-    rest: Floats,
-    positions: Floats,
-    rotations: Floats,
-) -> Floats:
+def strains(elastic: ElasticSurface, positions: Floats, rotations: Floats) -> Floats:
     """Root of each vertex's share of E over its edges' squared lengths (n,): relative strain."""
-    result = np.empty(len(rest))
-    over_rows(_strains, len(rest), pointers, neighbors, weights, rest, positions, rotations, result)
+    result = np.empty(len(elastic.rest))
+    over_rows(_strains, len(elastic.rest), elastic, positions, rotations, result)
     return result
 
 
-def softened(pointers: Ints, neighbors: Ints, weights: Floats, strain: Floats) -> Floats:
+def softened(elastic: ElasticSurface, strain: Floats) -> ElasticSurface:
     """Edge weights divided by 1 + strain^2, mean of both ends: where it strains, creases form."""
-    result = np.empty(len(weights))
-    over_rows(_softened, len(strain), pointers, neighbors, weights, strain, result)
-    return result
+    weights = np.empty(len(elastic.weights))
+    over_rows(_softened, len(strain), elastic, strain, weights)
+    return elastic._replace(weights=weights)
 
 
 @numba.njit(cache=True, nogil=True)
-def _fit_rotations(rows, pointers, neighbors, weights, rest, positions, rotations):
+def _fit_rotations(rows, elastic, positions, rotations):
+    pointers, neighbors, weights, rest = elastic
     for i in range(rows[0], rows[1]):
         a = np.zeros((3, 3))
         for entry in range(pointers[i], pointers[i + 1]):
@@ -173,9 +163,7 @@ def _cofactor(h, row, column):
 
 
 @numba.njit(cache=True)
-def relax_positions(  # noqa: PLR0913
-    pointers, neighbors, weights, rest, rotations, data, pull, positions, tolerance, limit
-):
+def relax_positions(elastic, rotations, data, pull, positions, tolerance, limit):
     """Positions (n, 3) of least energy for fixed rotations, by conjugate gradients.
 
     They start from `positions`; `pull` (n, 3) are the data matrices times their targets.
@@ -183,6 +171,7 @@ def relax_positions(  # noqa: PLR0913
     fallen by `tolerance`, or after `limit` steps. On one core: a step is shorter than what it
     costs to wait for another core that is busy with something else.
     """
+    pointers, neighbors, weights, rest = elastic
     count = len(rest)
     x = positions.copy()
     residual, z, product = np.empty((count, 3)), np.empty((count, 3)), np.empty((count, 3))
@@ -280,7 +269,8 @@ def _precondition(i, inverse, residual, out):
 
 
 @numba.njit(cache=True, nogil=True)
-def _strains(rows, pointers, neighbors, weights, rest, positions, rotations, result):
+def _strains(rows, elastic, positions, rotations, result):
+    pointers, neighbors, weights, rest = elastic
     for i in range(rows[0], rows[1]):
         moved, size = 0.0, 1e-30
         for entry in range(pointers[i], pointers[i + 1]):
@@ -295,7 +285,8 @@ def _strains(rows, pointers, neighbors, weights, rest, positions, rotations, res
 
 
 @numba.njit(cache=True, nogil=True)
-def _softened(rows, pointers, neighbors, weights, strain, result):
+def _softened(rows, elastic, strain, result):
+    pointers, neighbors, weights, _ = elastic
     for i in range(rows[0], rows[1]):
         here = 1.0 / (1.0 + strain[i] * strain[i])
         for entry in range(pointers[i], pointers[i + 1]):

@@ -1,46 +1,48 @@
 """Compiled: where the labeled neighbors of a node, its guides, place it.
 
 Kernels on plain arrays; :mod:`sherd.correspondence.labeling` says what labels and rotations mean.
-Guides are an array (k, g), padded with -1. `part` is the pair (between, directions) of the nodes,
-`full` the pair (label_to_label, label_headings), `state` the pair (labels, rotations) of all
-nodes, `settings` are as of :func:`sherd.correspondence.message_passing_kernel.labeling_costs`.
+Guides are an array (k, g), padded with -1; the other arguments are those of
+:mod:`sherd.correspondence.labeling_data`.
 """
 
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numba
 import numpy as np
-from numpy.typing import NDArray
 
 from sherd.arrays import Floats, Ints
+from sherd.correspondence.labeling_data import Comparison, FullGeometry, PartGeometry, State
 from sherd.threads import over_rows
 
 __all__ = ["best_placed", "guided_turns"]
 
-Pair = tuple[NDArray[Any], NDArray[Any]]
-Settings = tuple[float, ...]
 
 # Geodesics longer than a limb's width say little about one point.
 GUIDE_LENGTH = 0.15
 
 
 def best_placed(
-    nodes: Ints, guides: Ints, part: Pair, full: Pair, state: Pair, settings: Settings, count: int
+    nodes: Ints,
+    guides: Ints,
+    part: PartGeometry,
+    full: FullGeometry,
+    state: State,
+    comparison: Comparison,
+    count: int,
 ) -> tuple[Ints, Floats]:
     """Labels (k, count) that agree best with the guides of `nodes` (k,), and their costs.
 
     Equal costs are in the order of the labels.
     """
     labels, costs = np.empty((len(nodes), count), dtype=np.int64), np.empty((len(nodes), count))
-    over_rows(_best_placed, len(nodes), nodes, guides, part, full, state, settings, labels, costs)
+    over_rows(_best_placed, len(nodes), nodes, guides, part, full, state, comparison, labels, costs)
     return labels, costs
 
 
 def guided_turns(
-    nodes: Ints, guides: Ints, at: Ints, part: Pair, full: Pair, state: Pair
+    nodes: Ints, guides: Ints, at: Ints, part: PartGeometry, full: FullGeometry, state: State
 ) -> Floats:
     """Rotation (k, c) of each of `nodes` (k,) at labels `at` (k, c) that its guides agree on."""
     turns = np.empty(at.shape)
@@ -49,10 +51,10 @@ def guided_turns(
 
 
 @numba.njit(cache=True, nogil=True)
-def _best_placed(rows, nodes, guides, part, full, state, settings, labels, costs):  # noqa: PLR0913
+def _best_placed(rows, nodes, guides, part, full, state, comparison, labels, costs):  # noqa: PLR0913
     for row in range(rows[0], rows[1]):
-        misfit = np.empty(full[0].shape[0])
-        _misfits(nodes[row], guides[row], part, full, state, settings, misfit)
+        misfit = np.empty(full.between.shape[0])
+        _misfits(nodes[row], guides[row], part, full, state, comparison, misfit)
         for rank in range(labels.shape[1]):
             best = np.argmin(misfit)
             labels[row, rank], costs[row, rank] = best, misfit[best]
@@ -60,12 +62,12 @@ def _best_placed(rows, nodes, guides, part, full, state, settings, labels, costs
 
 
 @numba.njit(cache=True)
-def _misfits(node, guides, part, full, state, settings, misfit):
+def _misfits(node, guides, part, full, state, comparison, misfit):
     """Write the cost (s,) of every label for one node: length and direction from each guide."""
     between, directions = part
     label_distances, headings = full
     labels, rotations = state
-    sigma_zero, sigma_slope, limit, longer_limit, sigma_angle = settings
+    limit = comparison.limit
     misfit[:] = 0.0
     for guide in guides:
         if guide < 0:
@@ -74,7 +76,7 @@ def _misfits(node, guides, part, full, state, settings, misfit):
         if length == np.inf:
             continue
         near = 1.0 / (1.0 + (length / GUIDE_LENGTH) ** 2)
-        scale = 1.0 / (sigma_zero + sigma_slope * length)
+        scale = 1.0 / (comparison.length_sigma + comparison.stretch_sigma * length)
         distances, there = label_distances[labels[guide]], headings[labels[guide]]
         angle = directions[guide, node] - rotations[guide]
         along, across = math.cos(angle), math.sin(angle)
@@ -82,8 +84,8 @@ def _misfits(node, guides, part, full, state, settings, misfit):
             off = (distances[label] - length) * scale
             square = min(off * off, 1e12)  # labels on other components are infinitely far
             agreement = along * there[label, 0] + across * there[label, 1]
-            turn = 2.0 * (1.0 - agreement) / sigma_angle**2
-            length_limit = longer_limit if off > 0.0 else limit
+            turn = 2.0 * (1.0 - agreement) / comparison.angle_sigma**2
+            length_limit = comparison.longer_limit if off > 0.0 else limit
             cost = square / (1.0 + square / length_limit) + 0.5 * turn / (1.0 + turn / limit)
             misfit[label] += near * cost
 
@@ -91,8 +93,7 @@ def _misfits(node, guides, part, full, state, settings, misfit):
 @numba.njit(cache=True, nogil=True)
 def _guided_turns(rows, nodes, guides, at, part, full, state, turns):
     between, directions = part
-    headings = full[1]
-    labels = state[0]
+    headings, labels = full.headings, state.labels
     for row in range(rows[0], rows[1]):
         node = nodes[row]
         for rank in range(at.shape[1]):

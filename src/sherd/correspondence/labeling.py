@@ -13,15 +13,31 @@ shape, and as a hint of them.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from sherd.arrays import Bools, Floats, Ints, Singles
+from sherd.correspondence.labeling_data import (
+    Comparison,
+    EdgeMeasures,
+    FullGeometry,
+    PartGeometry,
+)
 from sherd.correspondence.message_passing_kernel import labeling_costs, pass_messages
-from sherd.correspondence.part_data import PartData
-from sherd.template import Template
+from sherd.correspondence.question import Question
+from sherd.surface.samples import Samples
 
-__all__ = ["Labeling", "Problem", "make_problem", "solve", "unary_cost"]
+__all__ = [
+    "CLEAR",
+    "SAME_SCALE",
+    "UNKNOWN_SCALE",
+    "Labeling",
+    "Problem",
+    "labeling_problem",
+    "solve",
+    "unary_cost",
+]
 
 
 # Each node is tied to its near neighbors, which carry the shape, and to some farther away, which
@@ -47,11 +63,15 @@ DETOUR, DETOUR_LIMIT, BRIDGE_WEIGHT = 1.35, 1.0, 1.0
 ANGLE_SIGMA = float(np.radians(30.0))
 ANGLE_REACH = 0.3
 ANGLE_WEIGHT = 0.5
-# What compares lengths and directions gets these together. Where the scale is unknown, all lengths
-# may be too short by some percent, and longer ones must count as much as shorter ones: they tell
-# left from right.
-SETTINGS = (LENGTH_SIGMA, STRETCH_SIGMA, LIMIT, LONGER_LIMIT, ANGLE_SIGMA)
-EVEN_SETTINGS = (LENGTH_SIGMA, STRETCH_SIGMA, LIMIT, LIMIT, ANGLE_SIGMA)
+SAME_SCALE = Comparison(LENGTH_SIGMA, STRETCH_SIGMA, LIMIT, LONGER_LIMIT, ANGLE_SIGMA)
+# Where the scale is unknown, all lengths may be too short by some percent, and longer ones must
+# count as much as shorter ones: they tell left from right.
+UNKNOWN_SCALE = SAME_SCALE._replace(longer_limit=LIMIT)
+# Paths that met the cut: the full shape's may be shorter by the heat method's few percent too, and
+# beyond this length nothing is believed to be equal.
+HEAT_ERROR, CUT_REACH = 0.05, 0.4
+# Belief in equal length where the path cannot have met the cut: then nothing else is asked.
+CLEAR = 1.0
 # How fast the belief in equal length fades once the path may have met the cut.
 CUT_FADE = 0.15
 CUT_SHARE = 0.6
@@ -62,6 +82,8 @@ UNARY_WEIGHT = 8.0
 # Close to the cut a neighborhood says less: down to 0.4 within the middle radius.
 CUT_TRUST, CUT_LEAST = 0.06, 0.4
 ROUNDS = 8
+# A node is judged by its edges up to two of the largest neighborhoods and a half.
+LOCAL_LENGTH = 0.25
 # A pinned vertex may move by the spacing of labels, and lengths from it stretch by a fifth.
 PIN_SLACK, PIN_STRETCH = 0.04, 1.2
 
@@ -72,27 +94,47 @@ class Problem:
 
     Attributes
     ----------
-    template, part
+    question
         The two shapes.
     similarity
         (k, s, r) float32 similarity of node and label at each of r rotations.
     edges, measures
-        (e, 2) and (e, 5), see
-        :func:`sherd.correspondence.message_passing_kernel.labeling_costs`; the length of an edge
-        between components is infinite.
+        (e, 2) pairs of nodes that are compared, and what is known of them.
     forbidden
         (k, s) bool, labels that a hint rules out.
-    settings
-        How lengths and directions are compared, see the same.
     """
 
-    template: Template
-    part: PartData
+    question: Question
     similarity: Singles
     edges: Ints
-    measures: Floats
+    measures: EdgeMeasures
     forbidden: Bools
-    settings: tuple[float, ...]
+
+    @cached_property
+    def nodes(self) -> Samples:
+        """The part's samples, which get labels."""
+        return self.question.part.sparse
+
+    @cached_property
+    def labels(self) -> Samples:
+        """The full shape's samples."""
+        return self.question.full.dense
+
+    @cached_property
+    def node_depth(self) -> Floats:
+        """(k,) distance of each node to the cut."""
+        depth: Floats = self.question.part.cut_distance[self.nodes.vertices]
+        return depth
+
+    @cached_property
+    def part_geometry(self) -> PartGeometry:
+        """Distances and directions between the nodes, for kernels."""
+        return PartGeometry(self.nodes.between, self.nodes.directions)
+
+    @cached_property
+    def full_geometry(self) -> FullGeometry:
+        """Distances and directions between the labels, for kernels."""
+        return FullGeometry(self.labels.between, self.labels.headings)
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,19 +157,13 @@ class Labeling:
     energy: float
 
 
-def make_problem(
-    template: Template,
-    part: PartData,
-    similarity: Singles,
-    rng: np.random.Generator,
-    *,
-    settings: tuple[float, ...] = SETTINGS,
-) -> Problem:
+def labeling_problem(question: Question, similarity: Singles, rng: np.random.Generator) -> Problem:
     """Choose the edges and their weights; labels that contradict the pins are forbidden."""
-    edges = _edges(part, rng)
-    measures = _measures(edges, part)
-    forbidden = _contradicting(template, part)
-    return Problem(template, part, similarity, edges, measures, forbidden, settings)
+    part = question.part
+    nodes, depth = part.sparse, part.cut_distance[part.sparse.vertices]
+    edges = _edges(nodes, part.mesh.vertices[nodes.vertices], rng)
+    measures = _measures(edges, nodes, depth)
+    return Problem(question, similarity, edges, measures, _contradicting(question))
 
 
 def unary_cost(problem: Problem, labels: Ints, rotations: Floats, step: float) -> Floats:
@@ -142,7 +178,7 @@ def unary_cost(problem: Problem, labels: Ints, rotations: Floats, step: float) -
     value += share * similarity[rows, labels, (below + 1) % shifts]
     lack = np.maximum(similarity.max(axis=(1, 2))[:, None] - value, 0.0) / step
     cost = lack / (1.0 + lack / SIMILARITY_LIMIT)
-    trust = np.clip(problem.part.cut_distance[problem.part.nodes] / CUT_TRUST, CUT_LEAST, 1.0)
+    trust = np.clip(problem.node_depth / CUT_TRUST, CUT_LEAST, 1.0)
     cost *= UNARY_WEIGHT * trust[:, None]
     result: Floats = np.where(problem.forbidden[rows, labels], 1e3, cost)
     return result
@@ -150,16 +186,21 @@ def unary_cost(problem: Problem, labels: Ints, rotations: Floats, step: float) -
 
 def solve(problem: Problem, labels: Ints, rotations: Floats, *, step: float) -> Labeling:
     """Choose one of the candidates (k, c) of each node so that the total cost is low."""
-    part, template, edges = problem.part, problem.template, problem.edges
-    angles = part.directions
+    edges, angles = problem.edges, problem.nodes.directions
     pairs = np.stack([angles[edges[:, 0], edges[:, 1]], angles[edges[:, 1], edges[:, 0]]], axis=1)
-    shape = (template.label_to_label, template.label_headings)
-    turns = rotations.astype(np.float32)
-    costs = labeling_costs(edges, problem.measures, labels, turns, pairs, shape, problem.settings)
-    bridges = np.flatnonzero(~np.isfinite(problem.measures[:, 0]))
+    costs = labeling_costs(
+        edges,
+        problem.measures,
+        labels,
+        rotations.astype(np.float32),
+        pairs,
+        problem.full_geometry,
+        problem.question.comparison,
+    )
+    bridges = np.flatnonzero(~np.isfinite(problem.measures.length))
     costs[bridges] = _bridge_costs(problem, bridges, labels)
     unary = unary_cost(problem, labels, rotations, step).astype(np.float32)
-    count = len(part.nodes)
+    count = len(problem.nodes)
     ends = edges.T.ravel()
     order = np.argsort(ends, kind="stable")
     incident = np.tile(np.arange(len(edges)), 2)[order]
@@ -171,8 +212,9 @@ def solve(problem: Problem, labels: Ints, rotations: Floats, *, step: float) -> 
     return Labeling(labels[rows, chosen], rotations[rows, chosen], local, energy / count)
 
 
-def _edges(part: PartData, rng: np.random.Generator) -> Ints:
-    between = part.between
+def _edges(nodes: Samples, places: Floats, rng: np.random.Generator) -> Ints:
+    """Pairs (e, 2) of nodes, at (k, 3), that are compared; the first below the second."""
+    between = nodes.between
     count = len(between)
     tied = np.zeros((count, count), dtype=bool)
     for node in range(count):
@@ -184,18 +226,17 @@ def _edges(part: PartData, rng: np.random.Generator) -> Ints:
         for choice, limit in ((rest[close], MIDDLE_NEIGHBORS), (rest[~close], FAR_NEIGHBORS)):
             picked = rng.choice(choice, min(limit, len(choice)), replace=False)
             tied[node, picked.astype(np.int64)] = True
-    tied |= _bridges(part)
+    tied |= _bridges(nodes, places)
     first, second = np.nonzero(np.triu(tied | tied.T, 1))
     return np.stack([first, second], axis=1)
 
 
-def _bridges(part: PartData) -> Bools:
+def _bridges(nodes: Samples, places: Floats) -> Bools:
     """Pairs (k, k) of nodes in different components: the nearest, and some of all distances.
 
     Nodes of crumbs, which have few neighbors in their own component, take more of the nearest.
     """
-    tied = ~np.isfinite(part.between)
-    places = part.mesh.vertices[part.nodes]
+    tied: Bools = ~np.isfinite(nodes.between)
     for node in np.flatnonzero(tied.any(axis=1)):
         others = np.flatnonzero(tied[node])
         straight = np.linalg.norm(places[others] - places[node], axis=1)
@@ -210,28 +251,30 @@ def _bridges(part: PartData) -> Bools:
     return tied
 
 
-def _measures(edges: Ints, part: PartData) -> Floats:
-    cut = part.cut_distance[part.nodes]
-    length = part.between[edges[:, 0], edges[:, 1]]
-    safe = cut[edges[:, 0]] + cut[edges[:, 1]]
-    lower = 0.95 * np.minimum(length, safe)
-    clear = length <= 1.05 * safe  # the heat method is right to a few percent
+def _measures(edges: Ints, nodes: Samples, depth: Floats) -> EdgeMeasures:
+    """What is known of the edges (e, 2), by the distances (k,) of the nodes to the cut."""
+    length = np.asarray(nodes.between[edges[:, 0], edges[:, 1]], dtype=np.float64)
+    safe = depth[edges[:, 0]] + depth[edges[:, 1]]
+    clear = length <= (1 + HEAT_ERROR) * safe
     fade = np.exp(-np.maximum(length - safe, 0.0) / CUT_FADE)
-    equality = np.where(clear, 1.0, CUT_SHARE * fade * (length < 0.4))
-    weight = 1.0 / (1.0 + (length / LENGTH_HALF) ** 2)
-    turn = ANGLE_WEIGHT * (length < ANGLE_REACH) * np.where(clear, 1.0, fade)
-    return np.stack([length, lower, equality, weight, turn], axis=1)
+    return EdgeMeasures(
+        length=length,
+        lower=(1 - HEAT_ERROR) * np.minimum(length, safe),
+        equality=np.where(clear, CLEAR, CUT_SHARE * fade * (length < CUT_REACH)),
+        weight=1.0 / (1.0 + (length / LENGTH_HALF) ** 2),
+        turn=np.where(length < ANGLE_REACH, ANGLE_WEIGHT, 0.0) * np.where(clear, 1.0, fade),
+    )
 
 
 def _bridge_costs(problem: Problem, bridges: Ints, labels: Ints) -> Singles:
     """Cost (b, c, c) of each pair of candidates on edges between components."""
     first, second = problem.edges[bridges].T
-    places = problem.part.mesh.vertices[problem.part.nodes]
+    places = problem.question.part.mesh.vertices[problem.nodes.vertices]
     straight = np.linalg.norm(places[second] - places[first], axis=1)[:, None, None]
-    table = problem.template.label_to_label
+    table = problem.labels.between
     length = table[labels[first][:, :, None], labels[second][:, None, :]]
     sigma = LENGTH_SIGMA + STRETCH_SIGMA * straight
-    short = (np.maximum(0.95 * straight - length, 0.0) / sigma) ** 2
+    short = (np.maximum((1 - HEAT_ERROR) * straight - length, 0.0) / sigma) ** 2
     # how far components of the full shape are from each other is not known either
     beyond = np.where(np.isfinite(length), length - DETOUR * straight, 0.0)
     long = (np.maximum(beyond, 0.0) / sigma) ** 2
@@ -242,10 +285,10 @@ def _bridge_costs(problem: Problem, bridges: Ints, labels: Ints) -> Singles:
 
 
 def _local_cost(problem: Problem, paid: Floats) -> Floats:
-    """Mean unweighted cost of the edges shorter than 0.25 at each node."""
-    count = len(problem.part.nodes)
-    short = problem.measures[:, 0] < 0.25
-    cost = paid[short] / problem.measures[short, 3]
+    """Mean unweighted cost of the short edges at each node."""
+    count = len(problem.nodes)
+    short = problem.measures.length < LOCAL_LENGTH
+    cost = paid[short] / problem.measures.weight[short]
     ends = problem.edges[short].T
     total = sum(np.bincount(end, cost, minlength=count) for end in ends)
     number = sum(np.bincount(end, minlength=count) for end in ends)
@@ -253,20 +296,21 @@ def _local_cost(problem: Problem, paid: Floats) -> Floats:
     return result
 
 
-def _contradicting(template: Template, part: PartData) -> Bools:
+def _contradicting(question: Question) -> Bools:
     """Labels (k, s) farther from a pinned place than the node is from the pinned vertex.
 
     A path on the part is a path on the full shape, so distances on the full shape are not longer,
     up to stretch and the spacing of labels.
     """
-    forbidden = np.zeros((len(part.nodes), len(template.label_vertices)), dtype=bool)
-    if len(part.pin_vertices) == 0:
+    full, nodes, pins = question.full, question.part.sparse, question.pins
+    forbidden = np.zeros((len(nodes), len(full.dense)), dtype=bool)
+    if len(pins.vertices) == 0:
         return forbidden
-    places = template.vertex_tree.query(part.pin_positions)[1]
-    reach = template.geodesics.distances_from(places)[:, template.label_vertices]
-    for vertex, row in zip(part.pin_vertices, reach, strict=True):
-        node = int(np.flatnonzero(part.nodes == vertex)[0])
-        limit = PIN_SLACK + PIN_STRETCH * part.between[node]
+    places = full.vertex_tree.query(pins.positions)[1]
+    reach = full.geodesics.distances_from(places)[:, full.dense.vertices]
+    for vertex, row in zip(pins.vertices, reach, strict=True):
+        node = int(np.flatnonzero(nodes.vertices == vertex)[0])
+        limit = PIN_SLACK + PIN_STRETCH * nodes.between[node]
         forbidden |= row[None, :] > limit[:, None]
     forbidden[forbidden.all(axis=1)] = False  # pins that contradict each other rule nothing out
     return forbidden

@@ -10,7 +10,8 @@ import math
 import numba
 import numpy as np
 
-from sherd.arrays import Floats, Ints, Singles
+from sherd.arrays import Ints, Singles
+from sherd.correspondence.labeling_data import Comparison, EdgeMeasures, FullGeometry
 from sherd.threads import over_rows
 
 __all__ = ["labeling_costs", "pass_messages"]
@@ -24,12 +25,12 @@ def _robust(squared, limit):
 
 def labeling_costs(
     edges: Ints,
-    measures: Floats,
+    measures: EdgeMeasures,
     labels: Ints,
     rotations: Singles,
     directions: Singles,
-    shape: tuple[Singles, Singles],
-    settings: tuple[float, ...],
+    full: FullGeometry,
+    comparison: Comparison,
 ) -> Singles:
     """Cost (e, k, k) float32 of each pair of labels on each edge.
 
@@ -38,39 +39,39 @@ def labeling_costs(
     edges
         (e, 2) nodes, first below second.
     measures
-        (e, 5): length on the part, lower bound on the full shape, share of equality, weight,
-        weight of direction.
+        Of the edges.
     labels, rotations
         (nodes, k) candidates of each node.
     directions
         (e, 2) angle on the part from first to second, and back.
-    shape
-        (label distances (s, s), cosine and sine of label directions (s, s, 2)).
-    settings
-        (sigma at 0, sigma per length, limit, limit where the full shape's length is the longer
-        one, sigma of angle).
+    full
+        Distances and directions between labels.
+    comparison
+        How lengths and directions are compared.
     """
     count = labels.shape[1]
     costs = np.empty((len(edges), count, count), dtype=np.float32)
     over_rows(
-        _labeling_costs, len(edges), edges, measures, labels, rotations, directions, shape,
-        settings, costs,
+        _labeling_costs, len(edges), edges, measures, labels, rotations, directions, full,
+        comparison, costs,
     )  # fmt: skip
     return costs
 
 
 @numba.njit(cache=True, nogil=True)
 def _labeling_costs(  # noqa: PLR0913
-    rows, edges, measures, labels, rotations, directions, shape, settings, costs
+    rows, edges, measures, labels, rotations, directions, full, comparison, costs
 ):
-    distances, headings = shape
-    sigma_zero, sigma_slope, limit, longer_limit, sigma_angle = settings
-    factor = 1.0 / (sigma_angle * sigma_angle)
+    distances, headings = full
+    limit = comparison.limit
+    factor = 1.0 / (comparison.angle_sigma * comparison.angle_sigma)
     count = labels.shape[1]
     for edge in range(rows[0], rows[1]):
         first, second = edges[edge]
-        length, lower, equality, weight, turn = measures[edge]
-        scale = 1.0 / (sigma_zero + sigma_slope * length)
+        length, lower = measures.length[edge], measures.lower[edge]
+        equality, weight = measures.equality[edge], measures.weight[edge]
+        turn = measures.turn[edge]
+        scale = 1.0 / (comparison.length_sigma + comparison.stretch_sigma * length)
         back_x = np.cos(directions[edge, 1] - rotations[second])
         back_y = np.sin(directions[edge, 1] - rotations[second])
         for a in range(count):
@@ -81,7 +82,7 @@ def _labeling_costs(  # noqa: PLR0913
                 to = labels[second, b]
                 distance = distances[at, to]
                 off = (distance - length) * scale
-                length_limit = longer_limit if off > 0.0 else limit
+                length_limit = comparison.longer_limit if off > 0.0 else limit
                 cost = _robust(off * off, length_limit)
                 if equality < 1.0:
                     # a path along the cut may be longer than on the full shape, never shorter

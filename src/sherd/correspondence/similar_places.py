@@ -10,7 +10,7 @@ from sherd.arrays import Floats, Ints, Singles
 from sherd.correspondence.similar_places_kernel import most_alike
 from sherd.descriptors.rotation_shot import shift_table
 from sherd.mesh.vertex_cells_kernel import sorted_into_cells
-from sherd.template import Template
+from sherd.surface.described import DescribedSurface
 from sherd.threads import over_rows
 
 __all__ = ["Look", "similar_places"]
@@ -37,7 +37,7 @@ class Look:
 
 
 def similar_places(
-    template: Template, positions: Floats, look: Look, *, reach: float
+    full: DescribedSurface, positions: Floats, look: Look, *, reach: float
 ) -> tuple[Floats, Floats, Floats]:
     """Where near its place each query vertex looks most alike: soft maximum over a ball.
 
@@ -51,13 +51,13 @@ def similar_places(
     """
     here = positions[look.vertices]
     # the nearest vertex is always compared, and says which sheet of the surface is meant
-    nearest: Ints = np.asarray(template.vertex_tree.query(here, workers=-1)[1])
-    unit = template.unit
+    nearest: Ints = np.asarray(full.vertex_tree.query(here, workers=-1)[1])
+    mesh = full.mesh
     targets = np.empty((len(here), 3))
     confidence, similarity = np.empty(len(here)), np.empty(len(here))
     over_rows(
-        most_alike, len(here), here, nearest, sorted_into_cells(unit.vertices, reach),
-        (unit.vertices, template.normals, unit.vertex_areas),
+        most_alike, len(here), here, nearest, sorted_into_cells(mesh.vertices, reach),
+        (mesh.vertices, full.normals, mesh.vertex_areas),
         (look.full_spectra, look.part_spectra, shift_table()), reach,
         (targets, confidence, similarity),
     )  # fmt: skip

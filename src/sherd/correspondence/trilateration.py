@@ -6,12 +6,11 @@ import numpy as np
 
 from sherd.arrays import Ints
 from sherd.correspondence.labeling import Labeling
-from sherd.correspondence.part_data import PartData
+from sherd.correspondence.question import Question
 from sherd.correspondence.trilateration_kernel import trilaterate
-from sherd.template import Template
 from sherd.threads import over_rows
 
-__all__ = ["trilaterated"]
+__all__ = ["trilaterated_vertices"]
 
 
 # Ten anchors overdetermine a place on a surface four times.
@@ -20,26 +19,27 @@ ANCHORS = 10
 COST_LIMIT = 2.5
 
 
-def trilaterated(template: Template, part: PartData, labeling: Labeling) -> Ints:
+def trilaterated_vertices(question: Question, labeling: Labeling) -> Ints:
     """Vertex of the full shape (n',) whose distances to the near anchors fit best.
 
     `argmin over v of sum over anchors of w rho(d_full(label, v) - d_part(node, i))` with weights
     falling with the square of the distance, and rho Geman-McClure.
     """
+    labels, nodes = question.full.dense, question.part.sparse
     reliable = labeling.local_cost <= COST_LIMIT
     if reliable.sum() < 2 * ANCHORS:
         reliable[:] = True
-    distances = np.where(reliable[:, None], part.node_distances, np.inf)
+    distances = np.where(reliable[:, None], nodes.distances, np.inf)
     alone = ~np.isfinite(distances).any(axis=0)  # on a component without any reliable node
-    distances[:, alone] = part.node_distances[:, alone]
+    distances[:, alone] = nodes.distances[:, alone]
     count = min(ANCHORS, len(distances))
     near = np.argsort(distances, axis=0, kind="stable")[:count].T
     length = np.take_along_axis(distances, near.T, axis=0).T
-    pointers, members = _members(template.cells, len(template.label_vertices))
+    pointers, members = _members(labels.cells, len(labels))
     result = np.zeros(len(near), dtype=np.int64)
     over_rows(
         trilaterate, len(near), near, length.astype(np.float64), labeling.labels,
-        (template.label_to_label, template.label_distances), (pointers, members), result,
+        (labels.between, labels.distances), (pointers, members), result,
     )  # fmt: skip
     return result
 

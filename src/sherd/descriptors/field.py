@@ -2,8 +2,8 @@
 
 A descriptor is one file that offers a frozen dataclass with :class:`Descriptor`'s method; whatever
 takes a descriptor takes any of them. All lengths that a descriptor knows are relative to
-sqrt(area of the full shape), which the :class:`Surface` brings along, so full shape and part are
-described in the same unit.
+sqrt(area of the full shape), which the :class:`SpectralSurface` brings along, so full shape and
+part are described in the same unit.
 """
 
 from __future__ import annotations
@@ -18,11 +18,11 @@ from sherd.errors import InvalidMeshError
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.spectral.basis import EigenBasis
 
-__all__ = ["Descriptor", "DescriptorField", "Surface"]
+__all__ = ["Descriptor", "DescriptorField", "SpectralSurface"]
 
 
 @dataclass(frozen=True, eq=False)
-class Surface:
+class SpectralSurface:
     """What descriptors are computed from.
 
     Attributes
@@ -52,7 +52,7 @@ class DescriptorField:
     values
         (n, d) float64.
     reach
-        (d,) how far each number looks, in units of `Surface.length`.
+        (d,) how far each number looks, in units of `SpectralSurface.length`.
     valid
         (n, d) bool: False where the cut is nearer than `reach`, so that the part's number
         differs from that of the full shape.
@@ -88,5 +88,5 @@ class Descriptor(Protocol):
     def name(self) -> str:
         """What tables and messages call it."""
 
-    def describe(self, surface: Surface) -> DescriptorField:
+    def describe(self, surface: SpectralSurface) -> DescriptorField:
         """The field on one surface; full shape and part must give comparable numbers."""

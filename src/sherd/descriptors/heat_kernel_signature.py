@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from sherd.arrays import Bools, Floats
-from sherd.descriptors.field import DescriptorField, Surface
+from sherd.descriptors.field import DescriptorField, SpectralSurface
 from sherd.errors import OptionError
 from sherd.spectral.basis import EigenBasis
 
@@ -51,7 +51,7 @@ def heat_kernel_signature(basis: EigenBasis, times: ArrayLike) -> Floats:
     return signature
 
 
-def automatic_times(surfaces: list[Surface], count: int) -> Floats:
+def automatic_times(surfaces: list[SpectralSurface], count: int) -> Floats:
     """Times that every surface resolves and that leave half of each one's area unspoiled, l^2.
 
     Logarithmically spaced from `4 / lambda_k` (below it the truncated sum is wrong) to the time
@@ -107,7 +107,7 @@ class HeatKernel:
         """HKS."""
         return "HKS"
 
-    def describe(self, surface: Surface) -> DescriptorField:
+    def describe(self, surface: SpectralSurface) -> DescriptorField:
         """(n, q) scaled signatures; see :class:`sherd.descriptors.field.Descriptor`."""
         relative = np.array(self.times)
         absolute = relative * surface.length**2

@@ -36,6 +36,8 @@ __all__ = [
     "rotation_spectra",
     "shift_table",
     "similarity",
+    "trusted_by_cut",
+    "trusted_equally",
     "weighted_spectra",
 ]
 
@@ -98,6 +100,25 @@ def weighted_spectra(spectra: Singles, weights: NDArray[np.floating]) -> Singles
     columns = np.tile(np.repeat(share, BINS, axis=1), 2).astype(np.float32)
     result: Singles = spectra * columns
     return result
+
+
+def trusted_by_cut(
+    spectra: Singles, cut_distance: Floats, radii: tuple[float, ...], least: float
+) -> Singles:
+    """`spectra` (5, q, 2 c), a neighborhood that the cut makes incomplete counting less.
+
+    Its weight is the distance (q,) to the cut over its radius, at least `least`.
+    """
+    trust = np.clip(cut_distance[:, None] / np.array(radii), least, 1.0)
+    return weighted_spectra(spectra, trust)
+
+
+def trusted_equally(spectra: Singles, radii: tuple[float, ...]) -> Singles:
+    """`spectra` whose radii all count the same.
+
+    So they should when the full shape is described inside the same region.
+    """
+    return weighted_spectra(spectra, np.ones((spectra.shape[1], len(radii))))
 
 
 def mirrored_spectra(spectra: Singles) -> Singles:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from sherd.arrays import Floats, Ints, Singles
-from sherd.descriptors.field import DescriptorField, Surface
+from sherd.descriptors.field import DescriptorField, SpectralSurface
 from sherd.descriptors.shot_kernel import neighborhood_moments, shot_histograms
 from sherd.errors import OptionError
 from sherd.mesh.triangle_mesh import TriangleMesh
@@ -110,7 +110,7 @@ class Shot:
         """SHOT."""
         return "SHOT"
 
-    def describe(self, surface: Surface) -> DescriptorField:
+    def describe(self, surface: SpectralSurface) -> DescriptorField:
         """(n, 352 per radius); see :class:`sherd.descriptors.field.Descriptor`."""
         blocks = [shot(surface.mesh, radius * surface.length) for radius in self.radii]
         reach = np.repeat(np.array(self.radii), [block.shape[1] for block in blocks])

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from sherd.arrays import Floats
-from sherd.descriptors.field import DescriptorField, Surface
+from sherd.descriptors.field import DescriptorField, SpectralSurface
 from sherd.errors import OptionError
 from sherd.spectral.basis import EigenBasis
 
@@ -79,7 +79,7 @@ class WaveKernel:
         spacing = (energies[-1] - energies[0]) / max(count - 1, 1)
         return cls(tuple(energies.tolist()), 7 * float(spacing))
 
-    def describe(self, surface: Surface) -> DescriptorField:
+    def describe(self, surface: SpectralSurface) -> DescriptorField:
         """(n, q); on a part the number of each band is scaled by the area ratio.
 
         A band holds a fixed number of eigenvalues in proportion to area (Weyl), and each

@@ -6,6 +6,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from sherd.arrays import Floats, Ints
+from sherd.mesh.sizes import LARGEST_PART
 from sherd.mesh.surface_points import BLOCK, SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
 
@@ -19,8 +20,6 @@ NEAR_FACES = 12
 # Samples per vertex area, each shared by three vertices: a vertex sees a dozen.
 SAMPLES = 4
 MOST_DIVISIONS = 16
-# No part is larger than this times the full shape.
-LARGEST = 1.5
 
 
 class SurfaceFinder:
@@ -70,7 +69,7 @@ class SurfaceFinder:
         areas = 0.5 * np.linalg.norm(cross, axis=1)
         normals = cross / np.maximum(2 * areas, 1e-300)[:, None]
         # a part that was torn over the whole space is sampled no more than one of this mesh's size
-        spacing = max(self.mesh.area, areas.sum() / LARGEST) / self.mesh.vertex_count
+        spacing = max(self.mesh.area, areas.sum() / LARGEST_PART) / self.mesh.vertex_count
         divisions = np.clip(np.ceil(np.sqrt(SAMPLES * areas / spacing)), 1, MOST_DIVISIONS)
         covered = np.zeros(self.mesh.vertex_count)
         for division in np.unique(divisions):

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from sherd.arrays import Bools, Floats
-from sherd.descriptors.field import Descriptor, DescriptorField, Surface
+from sherd.descriptors.field import Descriptor, DescriptorField, SpectralSurface
 from sherd.descriptors.heat_kernel_signature import HeatKernel, automatic_times
 from sherd.descriptors.shot import Shot
 from sherd.descriptors.vocabulary import learn_vocabulary
@@ -25,12 +25,14 @@ from sherd.errors import OptionError
 from sherd.mesh import topology
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.output import Stages
-from sherd.region.options import LocateOptions
-from sherd.region.region import Found, Placement
+from sherd.region.found import Found
 from sherd.region.weights import chosen_weights
-from sherd.spectral.basis import EigenBasis, eigenbasis
+from sherd.results.locate_options import SOLVERS, LocateOptions
+from sherd.results.placement import Placement
+from sherd.spectral.basis import EigenBasis
 from sherd.spectral.geodesics import Geodesics
 from sherd.spectral.sampling import farthest_point_sample
+from sherd.surface.described import DescribedSurface
 
 __all__ = ["InteriorQuestion", "ball_starts", "interior_question", "locate_by_integrals"]
 
@@ -78,8 +80,8 @@ class _Answer:
 
 
 def interior_question(
-    full: Surface,
-    part: Surface,
+    full: SpectralSurface,
+    part: SpectralSurface,
     descriptor: Descriptor,
     *,
     vocabulary_size: int,
@@ -123,22 +125,28 @@ def ball_starts(mesh: TriangleMesh, area: float, *, count: int = START_COUNT) ->
 
 
 def locate_by_integrals(
-    full: TriangleMesh, part: TriangleMesh, options: LocateOptions, stages: Stages
+    described_full: DescribedSurface,
+    described_part: DescribedSurface,
+    options: LocateOptions,
+    stages: Stages,
 ) -> Found:
-    """Locate `part` on `full`, which has area 1; see :func:`sherd.locate`."""
+    """Locate the part on the full shape; see :func:`sherd.locate`."""
+    full, part = described_full.mesh, described_part.mesh
     with stages("eigenbasis"):
         size = max(options.basis_size, DESCRIPTOR_BASIS if options.descriptor != "shot" else 0)
-        rich = eigenbasis(full, size)
+        rich = described_full.basis(size)
         surfaces = (
-            Surface(full, rich, full.length, _cut_distance(full)),
-            Surface(part, eigenbasis(part, size), full.length, _cut_distance(part)),
+            SpectralSurface(full, rich, full.length, described_full.cut_distance),
+            SpectralSurface(
+                part, described_part.basis(size), full.length, described_part.cut_distance
+            ),
         )
         basis = rich.truncated(options.basis_size)
     with stages("descriptors"):
         question = interior_question(
             *surfaces,
             _descriptor(options, *surfaces),
-            vocabulary_size=options.vocabulary_size,
+            vocabulary_size=options.vocabulary_size or 1,
             weights=chosen_weights(options, basis, min(part.area, full.area)),
             rng=np.random.default_rng(options.seed),
         )
@@ -146,28 +154,27 @@ def locate_by_integrals(
         problem, answers = _answered(question.problem, full, basis, options)
         question = replace(question, problem=problem)
     with stages("growth"):
-        geodesics = Geodesics(full)
+        geodesics = described_full.geodesics
         masks = [_whole(answer, question.problem, full, part.area, geodesics) for answer in answers]
     best, mask = answers[0], masks[0]
     shares = [float(full.vertex_areas[mask & other].sum()) for other in masks]
     others = tuple(
-        Placement("elsewhere", answer.membership, other, _score(question, answer), mirrored=False)
+        Placement(mask=other, membership=answer.membership, score=_score(question, answer))
         for answer, other, shared in zip(answers, masks, shares, strict=True)
         if shared < SAME_PLACE * float(full.vertex_areas[mask].sum())
     )
+    whole = raised_to_area(best.membership, full.vertex_areas, min(part.area, full.area))
     return Found(
-        membership=raised_to_area(best.membership, full.vertex_areas, min(part.area, full.area)),
-        mask=mask,
-        phase_field=best.phase_field,
-        score=_score(question, best),
-        energy=best.energy,
-        status=best.status,
+        best=Placement(mask=mask, membership=whole, score=_score(question, best)),
         alternatives=others,
+        phase_field=best.phase_field,
+        energy=best.energy,
+        convergence=best.status,
         weights=question.problem.weights,
     )
 
 
-def _descriptor(options: LocateOptions, full: Surface, part: Surface) -> Descriptor:
+def _descriptor(options: LocateOptions, full: SpectralSurface, part: SpectralSurface) -> Descriptor:
     unit = full.length**2
     if options.descriptor == "shot":
         return Shot((SHOT_RADIUS,))
@@ -182,7 +189,7 @@ def _descriptor(options: LocateOptions, full: Surface, part: Surface) -> Descrip
     raise OptionError(f"descriptor {options.descriptor!r} is unknown")
 
 
-def _interior(field: DescriptorField, part: Surface) -> Bools:
+def _interior(field: DescriptorField, part: SpectralSurface) -> Bools:
     areas, interior = part.mesh.vertex_areas, field.interior
     if areas[interior].sum() >= LEAST_INTERIOR * part.mesh.area:
         return interior
@@ -220,11 +227,11 @@ def _solve(
     """Answers of least energy first; the convex methods have one."""
     if options.method == "subspace":
         answer = subspace_region(
-            problem, basis, solver=options.solver, iterations=options.iterations
+            problem, basis, solver=options.solver or SOLVERS[0], iterations=options.iterations or 1
         )
         return [_Answer(answer.membership, answer.phase_field, answer.energy, answer.status)]
     if options.method == "full":
-        whole = full_region(problem, iterations=options.iterations)
+        whole = full_region(problem, iterations=options.iterations or 1)
         return [_Answer(whole.membership, whole.phase_field, whole.energy, whole.status)]
     if options.method == "logistic":
         return [
@@ -257,8 +264,3 @@ def _whole(
 def _score(question: InteriorQuestion, answer: _Answer) -> float:
     """1 minus the relative residual of the descriptor integral, at least 0."""
     return max(0.0, 1.0 - float(np.sqrt(data_term(question.problem, answer.membership))))
-
-
-def _cut_distance(mesh: TriangleMesh) -> Floats:
-    """Distance to the boundary, (n,), in units of the full shape's length, which is 1 here."""
-    return Geodesics(mesh).distances_to_set(mesh.boundary_vertices)

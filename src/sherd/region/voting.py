@@ -8,38 +8,28 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from sherd.arrays import Bools, Floats, Ints, Singles
-from sherd.descriptors.rotation_shot import (
-    mirrored_spectra,
-    rotation_spectra,
-    similarity,
-    weighted_spectra,
-)
-from sherd.descriptors.tangent_frames import smoothed_normals, tangent_axes
+from sherd.descriptors.rotation_shot import mirrored_spectra, similarity
 from sherd.energy.cleanup import clean_region
 from sherd.energy.logistic import LogisticOptions, LogisticRegion, logistic_regions
 from sherd.energy.problem import EnergyWeights, region_problem
 from sherd.mesh import topology
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.output import Stages
-from sherd.region.options import LocateOptions
-from sherd.region.part_samples import PartSamples, sample_part
-from sherd.region.region import Found, Placement
+from sherd.region.found import Found
 from sherd.region.soft_match import CAPACITY_WIDTH, MatchGeometry, soft_match, spread
 from sherd.region.weights import chosen_weights
-from sherd.spectral.basis import EigenBasis, eigenbasis
+from sherd.results.locate_options import LocateOptions
+from sherd.results.placement import Placement
+from sherd.spectral.basis import EigenBasis
 from sherd.spectral.sampling import farthest_point_sample_euclidean
-from sherd.template import AXIS_WIDTH, RADII
+from sherd.surface.described import LEAST_TRUST, RADII, DescribedSurface
+from sherd.surface.samples import Samples
 
 __all__ = ["locate_by_voting"]
 
-
-# A neighborhood reaching far over the cut still says something about the near side.
-LEAST_TRUST = 0.15
 # The data term asks for the whole area of each of this many groups of samples: as many as there
 # are body parts to tell apart, and few enough to keep the products small.
 GROUP_COUNT = 32
-
-
 # Candidates lie 0.013 apart, a third of the smallest radius, so that one of them sees nearly what
 # the best vertex would see.
 CANDIDATE_COUNT = 6000
@@ -82,57 +72,60 @@ class VotedPlace:
 
 
 def locate_by_voting(
-    full: TriangleMesh, part: TriangleMesh, options: LocateOptions, stages: Stages
+    full: DescribedSurface, part: DescribedSurface, options: LocateOptions, stages: Stages
 ) -> Found:
-    """Locate `part` on `full`, which has area 1; see :func:`sherd.locate`."""
-    fraction = min(part.area, full.area)
+    """Locate `part` on `full`; see :func:`sherd.locate`."""
+    mesh = full.mesh
+    fraction = min(part.mesh.area, mesh.area)
     with stages("eigenbasis"):
-        basis = eigenbasis(full, options.basis_size)
+        basis = full.basis(options.basis_size)
     with stages("samples"):
-        samples = sample_part(part, 1.0)
-        candidates = _candidates(full)
+        samples = part.sparse
+        candidates = _candidates(mesh)
     with stages("descriptors"):
-        similarities = _compared(full, part, samples, candidates)
-    poll = _Poll(full, basis, candidates, _geometry(full, basis, samples, candidates, fraction))
+        similarities = _compared(full, part, candidates)
+    poll = _Poll(
+        mesh,
+        basis,
+        candidates,
+        _geometry(mesh, basis, part, candidates, fraction),
+        _groups(samples),
+    )
     with stages("votes"):
         place = poll.vote(similarities.direct)
     with stages("region"):
-        drawing = _Drawing(full, basis, fraction, chosen_weights(options, basis, fraction))
+        drawing = _Drawing(mesh, basis, fraction, chosen_weights(options, basis, fraction))
         best, mask = drawing.region(place, FINAL)
     with stages("alternatives"):
         others = _alternatives(similarities, poll, mask, drawing)
     return Found(
-        membership=best.membership,
-        mask=mask,
-        phase_field=best.phase_field,
-        score=place.score,
-        energy=best.energy,
-        status=best.status,
+        best=Placement(mask=mask, membership=best.membership, score=place.score),
         alternatives=others,
+        phase_field=best.phase_field,
+        energy=best.energy,
+        convergence=best.status,
         weights=drawing.weights,
     )
 
 
-def _candidates(full: TriangleMesh) -> Ints:
+def _candidates(mesh: TriangleMesh) -> Ints:
     """Vertices spread evenly over the full shape, all of them if they are few."""
-    used = np.unique(full.faces)
+    used = np.unique(mesh.faces)
     if len(used) <= CANDIDATE_COUNT:
         return used
-    points = full.vertices[used]
+    points = mesh.vertices[used]
     start = int(np.linalg.norm(points - points.mean(axis=0), axis=1).argmax())
     return used[farthest_point_sample_euclidean(points, CANDIDATE_COUNT, start=start)]
 
 
-def _compared(
-    full: TriangleMesh, part: TriangleMesh, samples: PartSamples, candidates: Ints
-) -> Similarities:
+def _compared(full: DescribedSurface, part: DescribedSurface, candidates: Ints) -> Similarities:
     """Rotation-searched SHOT of the samples against the candidates.
 
-    `full` has area 1 and `part` the same unit. Radii that reach over the cut count less.
+    Radii that reach over the cut count less.
     """
-    full_spectra = _spectra(full, candidates)
-    trust = np.clip(samples.cut_distance[samples.vertices, None] / np.array(RADII), LEAST_TRUST, 1)
-    part_spectra = weighted_spectra(_spectra(part, samples.vertices), trust)
+    full_spectra = full.spectra_at(candidates)
+    samples = part.sparse.vertices
+    part_spectra = part.trusted_spectra(samples)
     return Similarities(
         similarity(full_spectra, part_spectra),
         similarity(full_spectra, mirrored_spectra(part_spectra)),
@@ -140,24 +133,33 @@ def _compared(
 
 
 def _geometry(
-    full: TriangleMesh,
+    mesh: TriangleMesh,
     basis: EigenBasis,
-    samples: PartSamples,
+    part: DescribedSurface,
     candidates: Ints,
     part_fraction: float,
 ) -> MatchGeometry:
-    """Gather what soft matching needs; `full` and `basis` at area 1."""
-    depth = samples.cut_distance[samples.vertices]
-    _, nearest = cKDTree(full.vertices[candidates]).query(full.vertices)
+    """Gather what soft matching needs; `mesh` and `basis` are of the full shape."""
+    samples = part.sparse
+    depth = part.cut_distance[samples.vertices]
+    areas = np.bincount(samples.cells, part.mesh.vertex_areas, minlength=len(samples))
+    _, nearest = cKDTree(mesh.vertices[candidates]).query(mesh.vertices)
     return MatchGeometry(
-        sample_areas=samples.areas,
+        sample_areas=areas / areas.sum(),
         trust=np.clip(depth / RADII[1], LEAST_TRUST, 1.0),
-        sample_distances=samples.distances,
-        areas=np.bincount(nearest, full.vertex_areas, len(candidates)) / full.area,
+        sample_distances=np.asarray(samples.between, dtype=np.float64),
+        areas=np.bincount(nearest, mesh.vertex_areas, len(candidates)) / mesh.area,
         part_fraction=part_fraction,
         eigenvalues=basis.eigenvalues,
         eigenvectors=basis.eigenvectors[candidates].astype(np.float32),
     )
+
+
+def _groups(samples: Samples) -> Ints:
+    """Group (q,) of each sample: the nearest of those that lie farthest apart."""
+    centers = samples.farthest_first[:GROUP_COUNT]
+    nearest: Ints = np.argmin(samples.between[centers], axis=0)
+    return nearest
 
 
 @dataclass(frozen=True, eq=False)
@@ -168,6 +170,7 @@ class _Poll:
     basis: EigenBasis
     candidates: Ints
     geometry: MatchGeometry
+    groups: Ints
 
     def vote(self, similarities: Singles, *, forbidden: Bools | None = None) -> VotedPlace:
         """The place of most votes; `forbidden` (n,) are vertices that get none."""
@@ -175,7 +178,7 @@ class _Poll:
         closed = None if forbidden is None else forbidden[self.candidates]
         probability = soft_match(similarities, geometry, forbidden=closed)
         agreement = np.einsum("qn,qn->q", probability, similarities)
-        groups = _groups(geometry)
+        groups = self.groups
         shares = np.zeros((groups.max() + 1, len(groups)))
         shares[groups, np.arange(len(groups))] = geometry.sample_areas * geometry.part_fraction
         mass = shares.astype(np.float32) @ probability
@@ -197,14 +200,21 @@ def _alternatives(
 ) -> tuple[Placement, ...]:
     """The mirrored twin and the best place outside the best region, if they are other places."""
     areas = poll.full.vertex_areas
-    candidates = [("mirrored twin", poll.vote(similarities.mirrored), True)]
+    candidates = [(poll.vote(similarities.mirrored), True)]
     if areas[~mask].sum() >= drawing.part_area:
-        candidates.append(("elsewhere", poll.vote(similarities.direct, forbidden=mask), False))
+        candidates.append((poll.vote(similarities.direct, forbidden=mask), False))
     found = []
-    for name, place, mirrored in candidates:
+    for place, mirrored in candidates:
         region, outline = drawing.region(place, SKETCH)
         if areas[mask & outline].sum() < SAME_PLACE * areas[mask].sum():
-            found.append(Placement(name, region.membership, outline, place.score, mirrored))
+            found.append(
+                Placement(
+                    mask=outline,
+                    membership=region.membership,
+                    score=place.score,
+                    mirrored=mirrored,
+                )
+            )
     return tuple(sorted(found, key=lambda placement: -placement.score))
 
 
@@ -237,24 +247,3 @@ class _Drawing:
         areas = self.full.vertex_areas
         mask = clean_region(region.membership, areas, self.part_area, adjacency=adjacency)
         return region, mask
-
-
-def _spectra(mesh: TriangleMesh, vertices: Ints) -> Singles:
-    normals = smoothed_normals(mesh, AXIS_WIDTH)
-    axes = normals[vertices]
-    return rotation_spectra(
-        mesh.vertices,
-        normals,
-        mesh.vertex_areas,
-        vertices,
-        x_axes=tangent_axes(axes, np.tile([1.0, 0.3, 0.2], (len(vertices), 1))),
-        z_axes=axes,
-        radii=RADII,
-    )
-
-
-def _groups(geometry: MatchGeometry) -> Ints:
-    """Group of each sample: the nearest of the first samples, which lie farthest apart."""
-    count = min(GROUP_COUNT, len(geometry.sample_areas))
-    nearest: Ints = np.argmin(geometry.sample_distances[:count], axis=0)
-    return nearest

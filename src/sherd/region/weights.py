@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from sherd.energy.problem import EnergyWeights
-from sherd.region.options import LocateOptions
+from sherd.results.locate_options import LocateOptions
 from sherd.spectral.basis import EigenBasis
 
 __all__ = ["chosen_weights"]

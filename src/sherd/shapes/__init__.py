@@ -1,1 +1,17 @@
-"""Floor 4: generated shapes and fragments of shapes, both with exact ground truth."""
+"""Generated shapes and pieces of them, with exact ground truth."""
+
+from __future__ import annotations
+
+from sherd.shapes.creature import creature, landmarks
+from sherd.shapes.fragment import Fragment, cut_by_ball, cut_by_plane, moved, remeshed, whole
+
+__all__ = [
+    "Fragment",
+    "creature",
+    "cut_by_ball",
+    "cut_by_plane",
+    "landmarks",
+    "moved",
+    "remeshed",
+    "whole",
+]

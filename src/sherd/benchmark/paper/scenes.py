@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from sherd.arrays import Bools, Floats, Ints
-from sherd.descriptors.field import Descriptor, Surface
+from sherd.descriptors.field import Descriptor, SpectralSurface
 from sherd.descriptors.heat_kernel_signature import HeatKernel, automatic_times
 from sherd.descriptors.shot import Shot
 from sherd.descriptors.wave_kernel_signature import WaveKernel
@@ -75,7 +75,7 @@ class Scene:
 
     full: TriangleMesh
     posed: TriangleMesh
-    surface: Surface
+    surface: SpectralSurface
     geodesics: Geodesics
     posed_geodesics: Geodesics
     seeds: dict[str, tuple[int, int | None]]
@@ -100,7 +100,7 @@ class Case:
     """
 
     name: str
-    surface: Surface
+    surface: SpectralSurface
     kept: Ints
     truth: Bools
     twin: Bools
@@ -180,7 +180,7 @@ def ball_case(scene: Scene, name: str, seed: int, share: float, *, twin: int | N
     truth[kept] = True
     unit = scene.full.length
     cut = Geodesics(mesh).distances_to_set(mesh.boundary_vertices) / unit
-    surface = Surface(mesh, eigenbasis(mesh, RICH_BASIS), unit, cut)
+    surface = SpectralSurface(mesh, eigenbasis(mesh, RICH_BASIS), unit, cut)
     twin_mask = truth if twin is None else _ball(scene, twin, share)
     return Case(name, surface, kept, truth, twin_mask)
 
@@ -256,7 +256,7 @@ def _scene(
     far = np.full(full.vertex_count, np.inf)
     if len(full.boundary_vertices):
         far = geodesics.distances_to_set(full.boundary_vertices) / full.length
-    surface = Surface(full, eigenbasis(full, RICH_BASIS), full.length, far)
+    surface = SpectralSurface(full, eigenbasis(full, RICH_BASIS), full.length, far)
     posed_geodesics = geodesics if posed is full else Geodesics(posed)
     return Scene(full, posed, surface, geodesics, posed_geodesics, seeds)
 

@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from sherd.arrays import Bools, Floats, Ints
-from sherd.correspondence.point_map import PointMap
 from sherd.errors import InvalidMeshError
 from sherd.mesh.surface_points import SurfacePoints, closest_points
 from sherd.mesh.triangle_mesh import TriangleMesh
@@ -36,7 +35,7 @@ UNKNOWN_LABEL = -1
 
 
 class Matched(Protocol):
-    """What is needed of a match: a :class:`sherd.match.MatchResult` or one read from a folder."""
+    """What is needed of a match, see :class:`sherd.results.match_result.MatchResult`."""
 
     @property
     def full(self) -> TriangleMesh:
@@ -47,8 +46,12 @@ class Matched(Protocol):
         """The part."""
 
     @property
-    def point_map(self) -> PointMap:
+    def points(self) -> SurfacePoints:
         """The partner of each vertex of the part."""
+
+    @property
+    def matched(self) -> Bools:
+        """Which vertices of the part have one."""
 
     @property
     def scale(self) -> float:
@@ -64,16 +67,16 @@ def field_to_part(result: Matched, values: ArrayLike) -> Floats:
         If there is not one value per vertex of the full shape.
     """
     array = _checked(values, result.full, "full shape").astype(np.float64)
-    carried = result.point_map.points.interpolate(result.full, array)
-    carried[~result.point_map.matched] = np.nan
+    carried = result.points.interpolate(result.full, array)
+    carried[~result.matched] = np.nan
     return carried
 
 
 def labels_to_part(result: Matched, labels: ArrayLike) -> Ints:
     """Whole-number labels (n_full,) at the part's vertices; -1 if unmatched."""
     array = _checked_labels(labels, result.full, "full shape")
-    carried = array[result.point_map.points.nearest_vertices(result.full)]
-    return np.where(result.point_map.matched, carried, UNKNOWN_LABEL)
+    carried = array[result.points.nearest_vertices(result.full)]
+    return np.where(result.matched, carried, UNKNOWN_LABEL)
 
 
 def field_to_full(result: Matched, values: ArrayLike) -> Floats:
@@ -100,7 +103,7 @@ def landmarks_to_full(result: Matched, vertices: ArrayLike) -> SurfacePoints:
     InvalidMeshError
         If a vertex does not exist.
     """
-    return result.point_map.points[_checked_vertices(vertices, result.part, "part")]
+    return result.points[_checked_vertices(vertices, result.part, "part")]
 
 
 def landmarks_to_part(result: Matched, vertices: ArrayLike) -> tuple[SurfacePoints, Floats]:
@@ -120,16 +123,16 @@ def nearest_part_points(result: Matched) -> tuple[SurfacePoints, Bools]:
     The second array (n_full,) is True where that image is near enough to be a partner.
     """
     points, distances = _on_image(result, result.full.vertices)
-    corners = result.point_map.matched[result.part.faces[points.faces]]
+    corners = result.matched[result.part.faces[points.faces]]
     near = distances <= REACH_IN_EDGES * result.full.mean_edge_length
     return points, near & corners.all(axis=1)
 
 
 def _on_image(result: Matched, positions: Floats) -> tuple[SurfacePoints, Floats]:
     """Nearest points of the part's image on the full shape, and their distances, l."""
-    image = result.part.with_vertices(result.point_map.points.positions(result.full))
+    image = result.part.with_vertices(result.points.positions(result.full))
     # a face that the map tears apart spans places it does not belong to
-    whole = result.point_map.matched[image.faces].all(axis=1) & ~_torn(result, image)
+    whole = result.matched[image.faces].all(axis=1) & ~_torn(result, image)
     usable = np.flatnonzero(whole if whole.any() else np.ones_like(whole))
     kept = TriangleMesh(image.vertices, image.faces[usable], name=image.name)
     points = closest_points(kept, positions)

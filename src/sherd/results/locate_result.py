@@ -1,67 +1,32 @@
-"""Region: where the part lies on the full shape, with the proof that it is one."""
+"""LocateResult: where the part lies on the full shape, with the proof that it does."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
+from sherd._version import __version__
 from sherd.arrays import Bools, Floats
 from sherd.energy.cleanup import pieces
 from sherd.energy.convergence import Convergence
 from sherd.energy.mumford_shah import EnergyTerms
-from sherd.energy.problem import EnergyWeights
 from sherd.mesh import topology
 from sherd.mesh.triangle_mesh import TriangleMesh
-from sherd.region.options import LocateOptions
+from sherd.results.locate_options import LocateOptions
+from sherd.results.placement import Placement
 
-__all__ = ["Found", "Placement", "Region", "RegionCheck"]
+__all__ = ["LocateCheck", "LocateResult"]
 
-
-@dataclass(frozen=True, eq=False)
-class Placement:
-    """One place where the part could lie.
-
-    Attributes
-    ----------
-    name
-        ``"best"``, ``"mirrored twin"`` or ``"elsewhere"``.
-    membership
-        (n,) float in [0, 1].
-    mask
-        (n,) bool.
-    score
-        Mean similarity of the part's neighborhoods with those of the place, at most 1; for
-        methods that match integrals, 1 minus the relative data residual.
-    mirrored
-        True if the place fits only a mirror image of the part.
-    """
-
-    name: str
-    membership: Floats
-    mask: Bools
-    score: float
-    mirrored: bool
-
-
-@dataclass(frozen=True, eq=False)
-class Found:
-    """What a method of locating hands back; :class:`Region` explains each."""
-
-    membership: Floats
-    mask: Bools
-    phase_field: Floats
-    score: float
-    energy: EnergyTerms
-    status: Convergence
-    alternatives: tuple[Placement, ...]
-    weights: EnergyWeights
+# A region is grown until the next vertex would overshoot, and interpolation to other vertices adds
+# the curvature of the mesh: a few percent.
+AREA_LIMIT = 0.05
 
 
 @dataclass(frozen=True)
-class RegionCheck:
-    """What :meth:`Region.check` found, re-derived from the meshes alone.
+class LocateCheck:
+    """What :meth:`LocateResult.check` found, re-derived from the meshes alone.
 
     Attributes
     ----------
@@ -77,6 +42,11 @@ class RegionCheck:
         Share of the full shape's area where the membership is below 0.25 or above 0.75.
     passed
         Areas within 5 %, membership in [0, 1] and nothing undefined.
+
+    Examples
+    --------
+    >>> LocateCheck(0.01, 0.0, 0.0, 1.0, piece_count=1, decided=0.97, passed=True).passed
+    True
     """
 
     area_error: float
@@ -88,28 +58,24 @@ class RegionCheck:
     passed: bool
 
 
-@dataclass(frozen=True, eq=False)
-class Region:
-    """The answer of :func:`sherd.locate`; all arrays are numbered as the full shape's vertices.
+@dataclass(frozen=True, eq=False, repr=False)
+class LocateResult:
+    """The answer of :func:`sherd.locate`; arrays are numbered as the full shape's vertices are.
 
     Attributes
     ----------
     full, part
-        The meshes of the question.
-    membership
-        (n,) float in [0, 1], soft.
-    mask
-        (n,) bool, crisp; its area is that of the part.
-    phase_field
-        (n,) float in [0, 1], near 0 at the region's boundary.
-    score
-        See :class:`Placement`.
-    energy
-        Terms of the energy at the answer.
-    status
-        Why the solver stopped, with advice.
+        The shapes of the question.
+    best
+        The answer: its membership and its mask, whose area is that of the part.
     alternatives
         Other placements, best first, for example the left twin of a right leg.
+    phase_field
+        (n,) float in [0, 1], near 0 at the region's boundary.
+    energy
+        Terms of the energy at the answer.
+    convergence
+        Why the solver stopped, with advice.
     options
         As given, with the automatic choices filled in.
     timings
@@ -119,21 +85,52 @@ class Region:
     working_vertices
         Number of vertices of the meshes that were searched, by "full" and "part". Large or uneven
         shapes are searched on a mesh of moderate size; the answer is carried back.
+    notices
+        What was adapted in the shapes, in sentences, by "full" and "part".
+
+    Examples
+    --------
+    >>> from sherd.locate import locate
+    >>> from sherd.shapes import creature, cut_by_ball, whole
+    >>> full = creature(5000)
+    >>> result = locate(full, cut_by_ball(whole(creature(5000, pose="walk"), full), 0, 0.5).mesh)
+    >>> result.check().passed
+    True
     """
 
     full: TriangleMesh
     part: TriangleMesh
-    membership: Floats
-    mask: Bools
-    phase_field: Floats
-    score: float
-    energy: EnergyTerms
-    status: Convergence
+    best: Placement
     alternatives: tuple[Placement, ...]
+    phase_field: Floats
+    energy: EnergyTerms
+    convergence: Convergence
     options: LocateOptions
     timings: Mapping[str, float]
-    version: str
-    working_vertices: Mapping[str, int]
+    version: str = field(default=__version__)
+    working_vertices: Mapping[str, int] = field(default_factory=dict)
+    notices: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+
+    def __repr__(self) -> str:
+        return (
+            f"LocateResult({self.part.name!r} on {self.full.name!r}: score {self.score:.3f}, "
+            f"{self.area_fraction:.0%} of the area)"
+        )
+
+    @property
+    def mask(self) -> Bools:
+        """(n,) bool, crisp; its area is that of the part."""
+        return self.best.mask
+
+    @property
+    def membership(self) -> Floats:
+        """(n,) float in [0, 1], soft."""
+        return self.best.membership
+
+    @property
+    def score(self) -> float:
+        """Of the best placement, at most 1."""
+        return self.best.score
 
     @property
     def area(self) -> float:
@@ -145,17 +142,17 @@ class Region:
         """Area of the part over area of the full shape."""
         return self.part.area / self.full.area
 
-    def check(self) -> RegionCheck:
-        """Re-derive areas, bounds and pieces from the meshes; see :class:`RegionCheck`."""
+    def check(self) -> LocateCheck:
+        """Re-derive areas, bounds and pieces from the meshes; see :class:`LocateCheck`."""
         areas, u = self.full.vertex_areas, self.membership
         wanted = min(self.part.area, self.full.area)
         adjacency = topology.adjacency(self.full.faces, self.full.vertex_count)
         area_error = self.area / wanted - 1
         membership_error = float(areas @ u) / wanted - 1
         # one vertex more or less is the best a mask can do on a coarse mesh
-        slack = 0.05 + float(areas.max()) / wanted
+        slack = AREA_LIMIT + float(areas.max()) / wanted
         bounded = bool(u.min() >= 0 and u.max() <= 1)
-        return RegionCheck(
+        return LocateCheck(
             area_error=area_error,
             membership_area_error=membership_error,
             lowest=float(u.min()),

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy import sparse
@@ -24,9 +23,8 @@ WIDEST_GAP = 0.1
 BORDER_NEIGHBORS = 32
 
 
-@dataclass(frozen=True, eq=False)
-class ElasticSurface:
-    """Edges by vertex, both ways.
+class ElasticSurface(NamedTuple):
+    """Edges by vertex, both ways; a named tuple, which compiled kernels take as it is.
 
     Attributes
     ----------

@@ -1,0 +1,57 @@
+"""Question: the two described shapes, what the user knows, and how lengths are compared."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from sherd.arrays import Floats, Ints
+from sherd.correspondence.labeling_data import Comparison
+from sherd.surface.described import DescribedSurface
+
+__all__ = ["NO_PINS", "Pins", "Question"]
+
+
+@dataclass(frozen=True, eq=False)
+class Pins:
+    """Landmarks that the user gave.
+
+    Attributes
+    ----------
+    vertices
+        (p,) vertices of the part's working mesh, among its sparse samples.
+    positions
+        (p, 3) where they belong, in the frame of the full shape.
+    """
+
+    vertices: Ints
+    positions: Floats
+
+
+NO_PINS = Pins(np.empty(0, dtype=np.int64), np.empty((0, 3)))
+
+
+@dataclass(frozen=True, eq=False)
+class Question:
+    """What is asked: where on `full` each point of `part` lies.
+
+    Attributes
+    ----------
+    full, part
+        The two shapes: dense samples of `full` are the labels that sparse samples of `part`, the
+        nodes, get.
+    comparison
+        How lengths and directions are compared.
+    pins
+        Landmarks.
+    """
+
+    full: DescribedSurface
+    part: DescribedSurface
+    comparison: Comparison
+    pins: Pins = NO_PINS
+
+    def with_part(self, part: DescribedSurface) -> Question:
+        """The same question about another part, such as the mirror image."""
+        return replace(self, part=part)

@@ -1,0 +1,177 @@
+"""WorkingPlacement: one complete placement on the working meshes, with what speaks for it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from sherd.arrays import Bools, Floats, Ints, Singles
+from sherd.correspondence.covered_vertices import covered_vertices
+from sherd.correspondence.labeling import Labeling
+from sherd.correspondence.question import Question
+from sherd.correspondence.registration import (
+    Deformation,
+    elastic_strain,
+    registered_to_places,
+    registered_to_surface,
+    surface_points,
+)
+from sherd.correspondence.similar_places import Look, similar_places
+from sherd.correspondence.trilateration import trilaterated_vertices
+from sherd.descriptors.rotation_shot import mirrored_spectra, trusted_by_cut, trusted_equally
+from sherd.mesh.surface_points import SurfacePoints
+from sherd.surface.described import LEAST_TRUST, RADII, DescribedSurface
+
+__all__ = [
+    "Queries",
+    "WorkingPlacement",
+    "mirrored_queries",
+    "part_queries",
+    "placement_from_labeling",
+    "rough_placement_from_labeling",
+]
+
+# Vertices that look for similar neighborhoods; the elasticity carries the others along.
+QUERY_COUNT = 3000
+# The first look must survive slides of a node spacing; each later one is nearer.
+FIRST_REACHES = (0.05, 0.04)
+SECOND_REACHES = (0.04, 0.03)
+# A vertex spacing: the similarity of an answer is that of the vertices around it.
+ANSWER_REACH = 0.012
+# Before the region is known, neighborhoods over the cut are not trusted.
+CUT_LENGTH, CUT_LEAST = 0.05, 0.1
+# A vertex is covered if half of its surroundings are.
+COVERED = 0.5
+
+
+@dataclass(frozen=True, eq=False)
+class Queries:
+    """Vertices (q,) of the part that look for similar places, and their spectra (5, q, 2 c).
+
+    `cut_aware` weighs radii by the distance to the cut, `plain` does not.
+    """
+
+    vertices: Ints
+    cut_aware: Singles
+    plain: Singles
+
+
+@dataclass(frozen=True, eq=False)
+class WorkingPlacement:
+    """One placement of the part.
+
+    Attributes
+    ----------
+    deformation
+        The elastic part on the full shape.
+    points, mask
+        A point for every vertex of the part itself, and the region of the full shape itself (n,).
+    inside_spectra
+        Spectra of the full shape when only the first region is seen.
+    similarity
+        (q,) similarity at the answers, neighborhoods seen inside the region only.
+    strain
+        (n',) relative strain of the elastic surface.
+    score
+        Area-weighted mean similarity minus mean strain, at most 1.
+    """
+
+    deformation: Deformation
+    points: SurfacePoints
+    mask: Bools
+    inside_spectra: Singles
+    similarity: Floats
+    strain: Floats
+    score: float
+
+
+def part_queries(part: DescribedSurface, rng: np.random.Generator) -> Queries:
+    """Choose the query vertices and describe them once."""
+    used = np.unique(part.mesh.faces)
+    if len(used) > QUERY_COUNT:
+        used = np.sort(rng.choice(used, QUERY_COUNT, replace=False))
+    spectra = part.spectra_at(used)
+    cut_aware = trusted_by_cut(spectra, part.cut_distance[used], RADII, LEAST_TRUST)
+    return Queries(used, cut_aware, trusted_equally(spectra, RADII))
+
+
+def mirrored_queries(queries: Queries) -> Queries:
+    """The same vertices on the part's mirror image."""
+    return Queries(
+        queries.vertices, mirrored_spectra(queries.cut_aware), mirrored_spectra(queries.plain)
+    )
+
+
+def placement_from_labeling(
+    question: Question, labeling: Labeling, queries: Queries
+) -> WorkingPlacement:
+    """Carry a labeling through to points.
+
+    Every vertex is trilaterated, the elastic part laid onto the full shape by neighborhoods; then
+    the region is known, and the part slides once more, by neighborhoods inside it.
+    """
+    deformation = _by_neighborhoods(question, labeling, queries, FIRST_REACHES)
+    look = _look_inside(question, deformation, queries)
+    deformation = registered_to_surface(question, deformation, look, reaches=SECOND_REACHES)
+    return _judged(question, deformation, look)
+
+
+def rough_placement_from_labeling(
+    question: Question, labeling: Labeling, queries: Queries
+) -> WorkingPlacement:
+    """As :func:`placement_from_labeling`, with one look only: enough to see and to judge it."""
+    deformation = _by_neighborhoods(question, labeling, queries, FIRST_REACHES[:1])
+    return _judged(question, deformation, _look_inside(question, deformation, queries))
+
+
+def _by_neighborhoods(
+    question: Question, labeling: Labeling, queries: Queries, reaches: tuple[float, ...]
+) -> Deformation:
+    """Before the region is known: neighborhoods count less where they reach over the cut."""
+    deformation = registered_to_places(question, trilaterated_vertices(question, labeling))
+    depth = question.part.cut_distance[queries.vertices]
+    trust = np.clip(depth / CUT_LENGTH, CUT_LEAST, 1.0)
+    look = Look(queries.vertices, question.full.spectra, queries.cut_aware, trust)
+    return registered_to_surface(question, deformation, look, reaches=reaches)
+
+
+def _look_inside(question: Question, deformation: Deformation, queries: Queries) -> Look:
+    """Of the full shape only what the part covers is seen, so all neighborhoods are complete."""
+    full = question.full
+    seen = covered_vertices(full.finder, deformation.positions, question.part.mesh.faces)
+    trust = np.ones(len(queries.vertices))
+    return Look(queries.vertices, full.spectra_within(seen), queries.plain, trust)
+
+
+def _judged(question: Question, deformation: Deformation, look: Look) -> WorkingPlacement:
+    """The finished placement with its points, its region and its score."""
+    full, part = question.full, question.part
+    _, _, similarity = similar_places(full, deformation.positions, look, reach=ANSWER_REACH)
+    strain = elastic_strain(part, deformation)
+    areas = part.mesh.vertex_areas
+    score = np.average(similarity, weights=areas[look.vertices]) - np.average(
+        np.minimum(strain, 1.0), weights=areas
+    )
+    return WorkingPlacement(
+        deformation=deformation,
+        points=surface_points(full.own_finder, part, deformation),
+        mask=_covered(question, deformation),
+        inside_spectra=look.full_spectra,
+        similarity=similarity,
+        strain=strain,
+        score=float(score),
+    )
+
+
+def _covered(question: Question, deformation: Deformation) -> Bools:
+    """The vertices (n,) of the full shape itself that the part covers."""
+    full = question.full
+    positions, faces = deformation.positions, question.part.mesh.faces
+    if full.own_vertices is None or full.placed.vertex_count <= full.mesh.vertex_count:
+        return covered_vertices(full.own_finder, positions, faces)
+    # sampling the part for a million vertices would cost more than all the rest
+    seen = covered_vertices(full.finder, positions, faces)
+    share = full.working.at_own_vertices(seen.astype(np.float64))
+    inside: Bools = (share >= COVERED) & (full.placed.vertex_areas > 0)
+    return inside

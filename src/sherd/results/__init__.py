@@ -1,0 +1,1 @@
+"""What users get: placements, results, options, and values carried along them."""

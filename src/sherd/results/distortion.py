@@ -1,0 +1,61 @@
+"""How a map bends the part: stretch of edges and orientation of faces, for proof and picture."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from sherd.arrays import Bools, Floats
+from sherd.mesh.surface_points import SurfacePoints
+from sherd.mesh.triangle_mesh import TriangleMesh
+
+__all__ = ["edge_stretch", "faces_preserved", "mean_at_vertices"]
+
+# Edges that the map makes a point, or that were one, have no logarithm; lengths count from here up,
+# in units of the full shape's.
+TINY = 1e-9
+
+
+def edge_stretch(
+    part: TriangleMesh, full: TriangleMesh, points: SurfacePoints, *, scale: float
+) -> Floats:
+    """`log(mapped length / length)` of the part's edges (e,), at the scale that was found.
+
+    Parameters
+    ----------
+    part, full
+        The two shapes.
+    points
+        (n_part,) where the part's vertices lie on `full`.
+    scale
+        Factor that the part was enlarged by.
+    """
+    tiny = TINY * full.length
+    image = points.positions(full)
+    first, second = part.edges.T
+    before = np.linalg.norm(part.vertices[second] - part.vertices[first], axis=1) * scale
+    after = np.linalg.norm(image[second] - image[first], axis=1)
+    stretch: Floats = np.log(np.maximum(after, tiny) / np.maximum(before, tiny))
+    return stretch
+
+
+def faces_preserved(
+    part: TriangleMesh, full: TriangleMesh, points: SurfacePoints, outward: Floats
+) -> Bools:
+    """Whether each face of the part (m,) keeps its orientation.
+
+    A face is turned over if its image runs the other way around than the full shape there, whose
+    outward normals at the vertices are `outward` (n_full, 3).
+    """
+    corners = points.positions(full)[part.faces]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    up = points.interpolate(full, outward)[part.faces].sum(axis=1)
+    preserved: Bools = (normals * up).sum(axis=1) > 0
+    return preserved
+
+
+def mean_at_vertices(values: Floats, elements: np.ndarray, vertex_count: int) -> Floats:
+    """Mean over the edges or faces (e, k) at each vertex (n,); NaN at vertices without any."""
+    total = np.bincount(elements.ravel(), np.repeat(values, elements.shape[1]), vertex_count)
+    degree = np.bincount(elements.ravel(), minlength=vertex_count)
+    mean: Floats = np.divide(total, degree, out=np.full(vertex_count, np.nan), where=degree > 0)
+    return mean

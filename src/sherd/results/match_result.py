@@ -1,0 +1,254 @@
+"""MatchResult: which point is which, with the proof, and what people do with it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy import sparse
+
+from sherd._version import __version__
+from sherd.arrays import Bools, Floats, Ints
+from sherd.errors import InvalidMeshError
+from sherd.mesh.surface_points import SurfacePoints
+from sherd.mesh.triangle_mesh import TriangleMesh
+from sherd.results import transfer
+from sherd.results.distortion import edge_stretch, faces_preserved
+from sherd.results.match_options import MatchOptions
+from sherd.results.placement import Placement
+from sherd.results.status import Status
+from sherd.scan.intake import mesh_intake
+from sherd.scan.numbering import original_normals
+
+if TYPE_CHECKING:
+    import trimesh
+
+__all__ = ["MatchCheck", "MatchResult"]
+
+# The region is what the image covers, so its area differs from the part's by the stretch of the
+# pose: some percent over half an animal, up to a tenth where a small part lies over a joint.
+AREA_LIMIT = 0.15
+# Half of the edges of a right answer are within a twentieth of their length; a map that slid or
+# folded stretches half of them by more than a fifth.
+STRETCH_LIMIT = 0.2
+# Right answers turn over single faces in creases, at most a few percent; one limb laid on another
+# inside out is a tenth of a body.
+PRESERVED_LIMIT = 0.9
+
+
+@dataclass(frozen=True)
+class MatchCheck:
+    """What :meth:`MatchResult.check` re-derives from the meshes.
+
+    Attributes
+    ----------
+    area_ratio
+        Area of the region over area of the part at the estimated scale.
+    edge_stretch
+        Median of `|log(mapped length / length)|` over the part's edges.
+    preserved
+        Share of the part's area whose mapped faces keep their orientation.
+    passed
+        Whether the area agrees within 15 %, stretch is below 0.2 and 9 faces of 10 are preserved.
+
+    Examples
+    --------
+    >>> MatchCheck(area_ratio=1.02, edge_stretch=0.03, preserved=0.99, passed=True).passed
+    True
+    """
+
+    area_ratio: float
+    edge_stretch: float
+    preserved: float
+    passed: bool
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class MatchResult:
+    """The answer of :func:`sherd.match`; all arrays are numbered as the user's shapes are.
+
+    Attributes
+    ----------
+    full, part
+        The shapes of the question. The faces of the part look outward as far as is known, even
+        where the given ones did not.
+    best
+        The answer: a point of `full` for every vertex of `part`, which of them are matched, the
+        confidence of each, and the region.
+    alternatives
+        Other plausible placements, best first.
+    scale
+        Factor that the part was enlarged by: 1 for ``scale="same"``.
+    second_score, twin_score
+        Score of the placement that was found the other time, and of the mirrored twin, which need
+        not be plausible; None if unknown.
+    status
+        Whether the answer as a whole can be trusted, with advice.
+    timings
+        Seconds by stage.
+    options, version
+        As given, and of sherd.
+    working_vertices
+        Number of vertices of the meshes that were searched, by "full" and "part". Large or uneven
+        shapes are searched on a mesh of moderate size; the answers are for the shapes themselves.
+    notices
+        What was adapted in the shapes, in sentences, by "full" and "part".
+
+    Examples
+    --------
+    >>> from sherd.match import match
+    >>> from sherd.shapes import creature, cut_by_ball, whole
+    >>> full = creature(5000)
+    >>> result = match(full, cut_by_ball(whole(creature(5000, pose="walk"), full), 0, 0.5).mesh)
+    >>> result.matrix().shape == (result.part.vertex_count, full.vertex_count)
+    True
+    """
+
+    full: TriangleMesh
+    part: TriangleMesh
+    best: Placement
+    alternatives: tuple[Placement, ...]
+    scale: float
+    second_score: float | None
+    twin_score: float | None
+    status: Status
+    timings: Mapping[str, float]
+    options: MatchOptions
+    version: str = field(default=__version__)
+    working_vertices: Mapping[str, int] = field(default_factory=dict)
+    notices: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        for placement in (self.best, *self.alternatives):
+            count = -1 if placement.points is None else len(placement.points)
+            if count != self.part.vertex_count:
+                raise InvalidMeshError(
+                    f"a placement has {max(count, 0)} points, but the part has "
+                    f"{self.part.vertex_count} vertices"
+                )
+        if self.best.matched is None or self.best.confidence is None:
+            raise InvalidMeshError("the best placement of a match says what is matched, how surely")
+
+    def __repr__(self) -> str:
+        return (
+            f"MatchResult({self.part.name!r} on {self.full.name!r}: {self.status.name.lower()}, "
+            f"{self.matched.mean():.0%} matched, mean confidence {self.confidence.mean():.2f})"
+        )
+
+    @property
+    def points(self) -> SurfacePoints:
+        """The point of the full shape for every vertex of the part."""
+        return _points(self.best)
+
+    @property
+    def matched(self) -> Bools:
+        """(n_part,) bool, False where the full shape seems to have no such point."""
+        return np.asarray(self.best.matched)
+
+    @property
+    def confidence(self) -> Floats:
+        """(n_part,) chance that each point is within 0.05 sqrt(area of full) of the truth."""
+        return np.asarray(self.best.confidence)
+
+    @cached_property
+    def outward(self) -> Floats:
+        """(n_full, 3) outward normals of the full shape, even where its own faces look inward."""
+        return original_normals(mesh_intake(self.full))
+
+    @property
+    def positions(self) -> Floats:
+        """(n_part, 3) where the part's vertices lie on the full shape, in its coordinates."""
+        return self.points.positions(self.full)
+
+    @property
+    def nearest_vertices(self) -> Ints:
+        """(n_part,) the vertex of the full shape nearest to each answer."""
+        return self.points.nearest_vertices(self.full)
+
+    def matrix(self) -> sparse.csr_array:
+        """(n_part, n_full) weights that carry values of the full shape to the part.
+
+        Rows of unmatched vertices are empty, all others sum to 1.
+        """
+        matched = np.flatnonzero(self.matched)
+        return _weights(self.points, self.full, matched, self.part.vertex_count)
+
+    def inverse_matrix(self) -> sparse.csr_array:
+        """(n_full, n_part) weights that carry values of the part to the full shape.
+
+        Rows of vertices that the part does not reach are empty, all others sum to 1.
+        """
+        points, found = transfer.nearest_part_points(self)
+        return _weights(points, self.part, np.flatnonzero(found), self.full.vertex_count)
+
+    def to_trimesh(self) -> tuple[trimesh.Trimesh, trimesh.Trimesh]:
+        """Both shapes, full and part, as trimesh objects with the same numbering."""
+        import trimesh as library  # loads slowly  # noqa: PLC0415
+
+        full, part = (
+            library.Trimesh(mesh.vertices.copy(), mesh.faces.copy(), process=False)
+            for mesh in (self.full, self.part)
+        )
+        return full, part
+
+    def check(self) -> MatchCheck:
+        """Re-derive area, distortion and orientation from the meshes; see :class:`MatchCheck`."""
+        full, part, points = self.full, self.part, self.points
+        stretch = edge_stretch(part, full, points, scale=self.scale)
+        stretch = np.abs(stretch[self.matched[part.edges].all(axis=1)])
+        median = float(np.median(stretch)) if len(stretch) else float("nan")
+        kept = faces_preserved(part, full, points, self.outward)
+        preserved = float(part.face_areas[kept].sum() / part.area)
+        area = float(full.vertex_areas[self.best.mask].sum())
+        area_ratio = area / (part.area * self.scale**2)
+        passed = (
+            abs(area_ratio - 1) < AREA_LIMIT
+            and median < STRETCH_LIMIT
+            and preserved > PRESERVED_LIMIT
+        )
+        return MatchCheck(area_ratio, median, preserved, passed)
+
+    def field_to_part(self, values: ArrayLike) -> Floats:
+        """Values (n_full,) or (n_full, c) at the part's vertices; NaN if unmatched."""
+        return transfer.field_to_part(self, values)
+
+    def field_to_full(self, values: ArrayLike) -> Floats:
+        """Values (n_part,) or (n_part, c) at the full shape's vertices; NaN outside."""
+        return transfer.field_to_full(self, values)
+
+    def labels_to_part(self, labels: ArrayLike) -> Ints:
+        """Whole-number labels (n_full,) at the part's vertices; -1 if unmatched."""
+        return transfer.labels_to_part(self, labels)
+
+    def labels_to_full(self, labels: ArrayLike) -> Ints:
+        """Whole-number labels (n_part,) at the full shape's vertices; -1 outside."""
+        return transfer.labels_to_full(self, labels)
+
+    def landmarks_to_part(self, vertices: ArrayLike) -> tuple[SurfacePoints, Floats]:
+        """Points of the part for vertices (p,) of the full shape, and how far each is missed.
+
+        See :func:`sherd.results.transfer.landmarks_to_part`.
+        """
+        return transfer.landmarks_to_part(self, vertices)
+
+    def landmarks_to_full(self, vertices: ArrayLike) -> SurfacePoints:
+        """Points of the full shape where the given vertices (p,) of the part lie."""
+        return transfer.landmarks_to_full(self, vertices)
+
+
+def _points(placement: Placement) -> SurfacePoints:
+    if placement.points is None:
+        raise InvalidMeshError("this placement is a region only")
+    return placement.points
+
+
+def _weights(
+    points: SurfacePoints, mesh: TriangleMesh, rows: Ints, row_count: int
+) -> sparse.csr_array:
+    columns = mesh.faces[points.faces[rows]]
+    entries = (points.barycentric[rows].ravel(), (np.repeat(rows, 3), columns.ravel()))
+    return sparse.coo_array(entries, shape=(row_count, mesh.vertex_count)).tocsr()

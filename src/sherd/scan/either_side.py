@@ -1,0 +1,58 @@
+"""A part that may be inside out, asked about on one side and, where that may be wrong, on both."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Literal, TypeAlias, TypeVar
+
+from sherd.mesh.sides import bulge
+from sherd.scan.intake import Intake
+
+__all__ = ["SIDES", "SURE_BULGE", "Side", "better_side"]
+
+Side: TypeAlias = Literal["either", "given"]
+SIDES: tuple[Side, ...] = ("either", "given")
+
+# A patch a seventh as deep as it is wide. Flatter ones look alike from both sides.
+SURE_BULGE = 0.02
+
+Answer = TypeVar("Answer")
+
+
+def better_side(
+    part: Intake,
+    side: Side,
+    answer: Callable[[Intake], Answer],
+    *,
+    score: Callable[[Answer], float],
+    sure: Callable[[Intake, Answer], bool],
+) -> Answer:
+    """The answer for the part as it is, or turned over, whichever has the higher score.
+
+    An open surface does not tell which of its sides is outside; the neighborhoods do. First comes
+    the side as given, or, where the faces do not tell, the side that seems to be outside. The other
+    one is tried unless the first answer is sure.
+
+    Parameters
+    ----------
+    part
+        The part.
+    side
+        ``"given"``: believe the order of the corners; ``"either"``: as above.
+    answer
+        Asks the question for one side.
+    score
+        Higher is better.
+    sure
+        Whether the answer for this part, as asked about, need not be tried on the other side.
+    """
+    if side == "given":
+        return answer(part)
+    first = part
+    if not part.side_known and bulge(part.mesh) < 0:
+        first = part.turned_over()
+    found = answer(first)
+    if sure(first, found):
+        return found
+    other = answer(first.turned_over())
+    return other if score(other) > score(found) else found

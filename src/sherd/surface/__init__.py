@@ -1,0 +1,1 @@
+"""One prepared shape for both sides of every question."""

@@ -1,0 +1,208 @@
+"""DescribedSurface: all that matching and locating ask of one shape, computed on first use."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from sherd.arrays import Bools, Floats, Ints, Singles
+from sherd.descriptors.rotation_shot import rotation_spectra, trusted_by_cut
+from sherd.descriptors.tangent_frames import smoothed_normals, tangent_axes
+from sherd.mesh.surface_finder import SurfaceFinder
+from sherd.mesh.surface_points import SurfacePoints
+from sherd.mesh.triangle_mesh import TriangleMesh
+from sherd.spectral.basis import EigenBasis, eigenbasis
+from sherd.spectral.geodesics import Geodesics
+from sherd.surface.elastic_surface import ElasticSurface, elastic_surface
+from sherd.surface.samples import Samples, dense_samples, sparse_samples
+from sherd.surface.working import WorkingSurface
+
+__all__ = ["LEAST_TRUST", "NO_CUT", "RADII", "REFERENCE", "DescribedSurface", "Known"]
+
+# All lengths are in units of sqrt(area of the full shape).
+# Neighborhoods from the smallest that holds some 40 vertices of a 10,000-vertex mesh to the
+# width of a limb; larger ones meet the cut too often and change with the pose.
+RADII = (0.04, 0.06, 0.10)
+# A neighborhood reaching far over the cut still says something about the near side.
+LEAST_TRUST = 0.15
+# The normal axis must not see single vertices (spacing 0.01 at 10,000 vertices) but still turn
+# with the smallest neighborhood.
+AXIS_WIDTH = 0.012
+# Any direction will do for tangent axes; none of the coordinate axes, which shapes often follow.
+REFERENCE = np.array([1.0, 0.3, 0.2])
+# Stands for "no cut at all": longer than any geodesic that matters.
+NO_CUT = 9.0
+
+
+@dataclass(frozen=True, eq=False)
+class Known:
+    """What is known of a surface beforehand, from a file or from its mirror image; else None."""
+
+    normals: Floats | None = None
+    cut_distance: Floats | None = None
+    dense: Samples | None = None
+    sparse: Samples | None = None
+    spectra: Singles | None = None
+
+
+class DescribedSurface:
+    """One shape of a question, whole or cut: both sides of every question are one of these.
+
+    All is stated in units of sqrt(area of the full shape), so that neither the unit of the files
+    nor a scaling of both shapes matters, and is about the working mesh unless it says otherwise.
+
+    Parameters
+    ----------
+    working
+        The surface at unit scale.
+    reference
+        (3,) direction that tangent axes are made from.
+    sampled_at
+        (p,) vertices that must be among the sparse samples.
+    known
+        What need not be computed.
+    """
+
+    def __init__(
+        self,
+        working: WorkingSurface,
+        *,
+        reference: Floats = REFERENCE,
+        sampled_at: Ints | None = None,
+        known: Known | None = None,
+    ) -> None:
+        self.working = working
+        self.reference = reference
+        self._sampled_at = np.empty(0, dtype=np.int64) if sampled_at is None else sampled_at
+        self._known = known or Known()
+        self._bases: dict[int, EigenBasis] = {}
+
+    @property
+    def placed(self) -> TriangleMesh:
+        """The shape itself, whose vertices and faces answers are counted by."""
+        return self.working.placed
+
+    @property
+    def mesh(self) -> TriangleMesh:
+        """The working mesh."""
+        return self.working.mesh
+
+    @property
+    def own_vertices(self) -> SurfacePoints | None:
+        """Where the vertices of `placed` lie on the working mesh; None if they are its vertices."""
+        return self.working.own_vertices
+
+    @cached_property
+    def finder(self) -> SurfaceFinder:
+        """Closest points on the working mesh."""
+        return SurfaceFinder(self.mesh)
+
+    @cached_property
+    def own_finder(self) -> SurfaceFinder:
+        """Closest points on the shape itself."""
+        return self.finder if self.own_vertices is None else SurfaceFinder(self.placed)
+
+    @cached_property
+    def vertex_tree(self) -> cKDTree:
+        """The vertices, to find those near a place."""
+        return cKDTree(self.mesh.vertices)
+
+    @cached_property
+    def geodesics(self) -> Geodesics:
+        """Distances on the working mesh."""
+        return Geodesics(self.mesh)
+
+    @cached_property
+    def elastic(self) -> ElasticSurface:
+        """The working mesh as an elastic surface."""
+        return elastic_surface(self.mesh)
+
+    @cached_property
+    def cut_distance(self) -> Floats:
+        """(n,) geodesic distance to the border, at most `NO_CUT`, which also says: no border."""
+        if self._known.cut_distance is not None:
+            return self._known.cut_distance
+        distance = self.geodesics.distances_to_set(self.mesh.boundary_vertices)
+        return np.where(np.isfinite(distance), np.minimum(distance, NO_CUT), NO_CUT)
+
+    @cached_property
+    def normals(self) -> Floats:
+        """(n, 3) smoothed unit normals."""
+        if self._known.normals is not None:
+            return self._known.normals
+        return smoothed_normals(self.mesh, AXIS_WIDTH)
+
+    @cached_property
+    def dense(self) -> Samples:
+        """Samples that are the places where another surface may lie: labels."""
+        if self._known.dense is not None:
+            return self._known.dense
+        return dense_samples(self.working, self.frames)
+
+    @cached_property
+    def sparse(self) -> Samples:
+        """Samples that are placed on another surface: nodes."""
+        if self._known.sparse is not None:
+            return self._known.sparse
+        return sparse_samples(
+            self.mesh, self.geodesics, self.cut_distance, self.frames, also=self._sampled_at
+        )
+
+    def frames(self, vertices: Ints) -> tuple[Floats, Floats]:
+        """Unit tangent axes and normals (q, 3) of the given vertices."""
+        normals = self.normals[vertices]
+        return tangent_axes(normals, np.tile(self.reference, (len(vertices), 1))), normals
+
+    @cached_property
+    def cell_axes(self) -> Floats:
+        """(n, 3) tangent axis of every vertex, nearly parallel within each cell of `dense`."""
+        axes, _ = self.frames(self.dense.vertices)
+        return tangent_axes(self.normals, axes[self.dense.cells])
+
+    def spectra_at(self, vertices: Ints) -> Singles:
+        """(5, q, 2 c) rotation-searched SHOT of some vertices, in their `frames`."""
+        return self._spectra(vertices, self.mesh.vertex_areas, *self.frames(vertices))
+
+    def trusted_spectra(self, vertices: Ints) -> Singles:
+        """`spectra_at` the vertices; what reaches over the cut counts less."""
+        depth = self.cut_distance[vertices]
+        return trusted_by_cut(self.spectra_at(vertices), depth, RADII, LEAST_TRUST)
+
+    @cached_property
+    def spectra(self) -> Singles:
+        """(5, n, 2 c) rotation-searched SHOT of every vertex, in the frames of `cell_axes`."""
+        if self._known.spectra is not None:
+            return self._known.spectra
+        everyone = np.arange(self.mesh.vertex_count)
+        return self._spectra(everyone, self.mesh.vertex_areas, self.cell_axes, self.normals)
+
+    def spectra_within(self, mask: Bools) -> Singles:
+        """`spectra` as a surface sees them that covers `mask` (n,): only the area inside counts.
+
+        Vertices outside keep their ordinary spectra.
+        """
+        inside = np.flatnonzero(mask)
+        axes, normals = self.cell_axes[inside], self.normals[inside]
+        spectra = self.spectra.copy()
+        spectra[:, inside] = self._spectra(inside, self.mesh.vertex_areas * mask, axes, normals)
+        return spectra
+
+    def basis(self, size: int) -> EigenBasis:
+        """The first `size` eigenpairs of the working mesh."""
+        if size not in self._bases:
+            self._bases[size] = eigenbasis(self.mesh, size)
+        return self._bases[size]
+
+    def _spectra(self, vertices: Ints, weights: Floats, x_axes: Floats, z_axes: Floats) -> Singles:
+        return rotation_spectra(
+            self.mesh.vertices,
+            self.normals,
+            weights,
+            vertices,
+            x_axes=x_axes,
+            z_axes=z_axes,
+            radii=RADII,
+        )

@@ -1,0 +1,152 @@
+"""Template: a shape described in its own unit, made once, asked many times, saved and loaded."""
+
+from __future__ import annotations
+
+import io
+import os
+import zipfile
+import zlib
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from sherd.errors import MeshFileError
+from sherd.mesh.triangle_mesh import TriangleMesh
+from sherd.output import write_bytes
+from sherd.scan.intake import Intake, MeshSource, mesh_intake
+from sherd.surface.described import DescribedSurface, Known
+from sherd.surface.samples import Samples
+from sherd.surface.working import WorkingSurface, canonical, joined, working_surface
+
+__all__ = ["Template"]
+
+# Raise when what is saved changes its meaning.
+FORMAT = 2
+
+
+class Template(DescribedSurface):
+    """What :func:`sherd.match` and :func:`sherd.locate` need to know about the full shape.
+
+    All is computed on first use and kept, so that many parts pay for it once.
+
+    Parameters
+    ----------
+    full
+        The full shape: a mesh, or whatever :func:`sherd.match` takes for one.
+
+    Attributes
+    ----------
+    intake
+        The full shape as it was given and as it was repaired.
+
+    Examples
+    --------
+    >>> from sherd.shapes.creature import creature
+    >>> template = Template(creature(5000))
+    >>> round(template.mesh.area, 6)
+    1.0
+    """
+
+    def __init__(self, full: MeshSource | Intake) -> None:
+        intake = full if isinstance(full, Intake) else mesh_intake(full)
+        placed = canonical(intake.mesh, intake.mesh.length)
+        self._set_up(intake, working_surface(placed), Known())
+
+    def _set_up(self, intake: Intake, working: WorkingSurface, known: Known) -> None:
+        super().__init__(working, known=known)
+        self.intake = intake
+
+    @property
+    def full(self) -> TriangleMesh:
+        """The full shape as it was given."""
+        return self.intake.original
+
+    @property
+    def length(self) -> float:
+        """sqrt(area) of the repaired full shape, in its own unit."""
+        return self.intake.mesh.length
+
+    def prepare(self) -> None:
+        """Compute now all that matching needs, instead of on first use."""
+        _ = (self.spectra, self.dense)
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the mesh and all that matching needs to one ``.npz`` file, atomically.
+
+        Raises
+        ------
+        OutputError
+            If the file cannot be written.
+        """
+        self.prepare()
+        stream = io.BytesIO()
+        np.savez(
+            stream, format=FORMAT, name=self.full.name,
+            vertices=self.full.vertices, faces=self.full.faces,
+            mesh_vertices=self.mesh.vertices, mesh_faces=self.mesh.faces,
+            dense_vertices=self.dense.vertices, dense_distances=self.dense.distances,
+            dense_directions=self.dense.directions, normals=self.normals, spectra=self.spectra,
+        )  # fmt: skip
+        write_bytes(path, stream.getvalue())
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Template:
+        """Read what :meth:`save` wrote; matching with it gives the same bits.
+
+        Raises
+        ------
+        MeshFileError
+            If the file is missing, damaged, or of another version of sherd.
+        """
+        try:
+            with Path(path).open("rb") as stream, np.load(stream, allow_pickle=False) as stored:
+                content: dict[str, Any] = dict(stored)
+        except (OSError, ValueError, TypeError, EOFError, zipfile.BadZipFile, zlib.error) as error:
+            reason = getattr(error, "strerror", None) or "damaged, or no template"
+            raise MeshFileError(
+                f"{path}: cannot be read as a template ({reason}); make it again"
+            ) from error
+        if _NAMES - set(content) or content["format"].tolist() != FORMAT or not _fit(content):
+            raise MeshFileError(f"{path}: is no template of this version of sherd; make it again")
+        full = TriangleMesh(content["vertices"], content["faces"], name=str(content["name"]))
+        intake = mesh_intake(full)
+        placed = canonical(intake.mesh, intake.mesh.length)
+        mesh = TriangleMesh(content["mesh_vertices"], content["mesh_faces"], name=full.name)
+        known = Known(
+            normals=content["normals"],
+            spectra=content["spectra"],
+            dense=Samples.of(
+                content["dense_vertices"], content["dense_distances"], content["dense_directions"]
+            ),
+        )
+        template = cls.__new__(cls)
+        template._set_up(intake, joined(placed, mesh), known)
+        return template
+
+
+_NAMES = {
+    "format", "name", "vertices", "faces", "mesh_vertices", "mesh_faces", "dense_vertices",
+    "dense_distances", "dense_directions", "normals", "spectra",
+}  # fmt: skip
+
+
+def _fit(content: dict[str, Any]) -> bool:
+    """Whether stored arrays have the shapes and kinds that belong together."""
+    labels, vertices = content["dense_vertices"], len(np.atleast_1d(content["mesh_vertices"]))
+    count = len(np.atleast_1d(labels))
+    shapes = {
+        "dense_vertices": (count,),
+        "dense_distances": (count, vertices),
+        "dense_directions": (count, count),
+        "normals": (vertices, 3),
+    }
+    if any(content[name].shape != shape for name, shape in shapes.items()):
+        return False
+    spectra = content["spectra"]
+    if spectra.ndim != 3 or spectra.shape[1] != vertices or count == 0:
+        return False
+    numbers = ("dense_distances", "dense_directions", "normals", "spectra")
+    if any(content[name].dtype.kind != "f" for name in numbers):
+        return False
+    return bool(labels.dtype.kind == "i" and 0 <= labels.min() <= labels.max() < vertices)
