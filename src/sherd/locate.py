@@ -26,7 +26,12 @@ from sherd.surface.described import DescribedSurface
 from sherd.surface.prepared import as_template, described_part
 from sherd.surface.template import Template
 
-__all__ = ["locate", "locate_one_side"]
+__all__ = ["STAGES", "locate", "locate_one_side"]
+
+# Of the default method.
+STAGES = (
+    "eigenbasis", "samples", "descriptors", "votes", "region", "alternatives", "numbering",
+)  # fmt: skip
 
 
 def locate(

@@ -8,10 +8,12 @@ import click
 import numpy as np
 
 from sherd.benchmark.metrics import GroundTruthDistances, region_overlap
-from sherd.cli.inputs import prepared_mesh
-from sherd.cli.matching import STAGE_COUNT, match_and_write, match_summary
+from sherd.cli.matching import match_and_write, match_summary
 from sherd.files.mesh_files import write_mesh
-from sherd.match import MatchOptions
+from sherd.match import STAGES
+from sherd.results.match_options import MatchOptions
+from sherd.scan.intake import scan_intake
+from sherd.surface.template import Template
 from sherd.output import Stages
 from sherd.shapes.creature import creature, landmarks
 from sherd.shapes.fragment import Fragment, cut_by_ball, moved, remeshed, whole
@@ -36,21 +38,22 @@ def demo_command(output: Path, *, quiet: bool) -> int:
     Example:
       sherd demo -o demo/ && sherd view demo/
     """  # noqa: D301
-    stages = Stages(STAGE_COUNT + 1, visible=False if quiet else None)
+    stages = Stages(len(STAGES) + 2, visible=False if quiet else None)
     with stages("generated shapes"):
         fragment = demo_fragment()
         full, part = output / "creature.ply", output / "fragment.ply"
         write_mesh(fragment.full, full)
         write_mesh(fragment.mesh, part)
-    meshes = prepared_mesh(full), prepared_mesh(part)
-    result, document = match_and_write(*meshes, output, options=MatchOptions(), stages=stages)
+    result, document = match_and_write(
+        Template(full), scan_intake(part), output, options=MatchOptions(), stages=stages
+    )
     stages.close()
     if quiet:
         return 0
     click.echo(match_summary(result, document, output))
     distances = GroundTruthDistances(fragment.full)
-    error = 100 * distances.between(fragment.truth, result.point_map.points).mean()
-    common = region_overlap(fragment.full, result.region.mask, fragment.region)
+    error = 100 * distances.between(fragment.truth, result.points).mean()
+    common = region_overlap(fragment.full, result.best.mask, fragment.region)
     click.echo(
         f"The truth is known here: mean error {error:.2f} % of sqrt(area), region overlap "
         f"{100 * common:.0f} % (IoU)."

@@ -1,77 +1,56 @@
-"""Reading what the user names: mesh files, with visible repairs and the old numbering kept."""
+"""What commands have in common: the template file, notices, the command line."""
 
 from __future__ import annotations
 
 import shlex
 import sys
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Protocol
 
 import click
 
-from sherd.files.cloud_files import read_points
-from sherd.files.mesh_files import read_mesh_with_notices
-from sherd.mesh.sides import turned_over
 from sherd.mesh.triangle_mesh import TriangleMesh
-from sherd.repair.repair import RepairReport, repair
-from sherd.repair.sides import side_is_unclear
-from sherd.scan.surface_from_points import surface_from_points
+from sherd.scan.intake import mesh_intake
+from sherd.surface.template import Template
 
-__all__ = ["PreparedMesh", "command_line", "prepared_mesh", "prepared_part", "show_notices"]
-
-
-@dataclass(frozen=True, eq=False)
-class PreparedMesh:
-    """A mesh as read, the same after repair, and how their numbers correspond.
-
-    `one_sided` if it may be inside out: made from points without normals, or its faces agreed too
-    little on what is outside.
-    """
-
-    original: TriangleMesh
-    repaired: TriangleMesh
-    report: RepairReport
-    notices: tuple[str, ...]
-    one_sided: bool = False
-
-    def turned(self) -> PreparedMesh:
-        """The same with all faces turned over."""
-        return replace(
-            self, original=turned_over(self.original), repaired=turned_over(self.repaired)
-        )
+__all__ = ["command_line", "show_notices", "stored_template"]
 
 
-def prepared_part(path: Path) -> PreparedMesh:
-    """Read and repair a part, which may be a scan without faces."""
-    part = read_points(path)
-    if part is None:
-        mesh = prepared_mesh(path)
-        return replace(mesh, one_sided=side_is_unclear(mesh.repaired, mesh.report))
-    original = surface_from_points(part)
-    repaired, report = repair(original)
-    known = part.normals is not None
-    said = (
-        f"holds {part.point_count} points and no faces; triangles were laid over the points, "
-        + ("outward by their normals" if known else "outward as far as shape and match tell"),
-        *(f"repaired for this run: {text}" for text in report.notices),
-    )
-    return PreparedMesh(original, repaired, report, said, one_sided=not known)
+class Noticed(Protocol):
+    """A result that knows what was adapted in its shapes."""
+
+    @property
+    def full(self) -> TriangleMesh: ...
+    @property
+    def part(self) -> TriangleMesh: ...
+    @property
+    def notices(self) -> Mapping[str, tuple[str, ...]]: ...
 
 
-def prepared_mesh(path: Path) -> PreparedMesh:
-    """Read and repair a mesh; :func:`show_notices` says what was adapted."""
-    original, notices = read_mesh_with_notices(path)
-    repaired, report = repair(original)
-    said = (*notices, *(f"repaired for this run: {text}" for text in report.notices))
-    return PreparedMesh(original, repaired, report, said)
-
-
-def show_notices(*meshes: PreparedMesh) -> None:
+def show_notices(result: Noticed) -> None:
     """Say on standard error what was adapted; called once there is a result it applies to."""
-    for mesh in meshes:
-        for text in mesh.notices:
+    for which, mesh in (("full", result.full), ("part", result.part)):
+        for text in result.notices[which]:
             note = click.style("note:", fg="yellow")
-            click.echo(f"{note} {mesh.original.name}: {text}", err=True)
+            click.echo(f"{note} {mesh.name}: {text}", err=True)
+
+
+def stored_template(path: Path | None, full: Path) -> Template:
+    """The template of the mesh `full`, kept in the file `path` if one is named.
+
+    Raises
+    ------
+    InputError
+        If the file was made for another mesh.
+    """
+    intake = mesh_intake(full)
+    if path is not None and path.exists():
+        return Template.load(path, full=intake)
+    template = Template(intake)
+    if path is not None:
+        template.save(path)
+    return template
 
 
 def command_line() -> str:

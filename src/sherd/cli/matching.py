@@ -9,29 +9,24 @@ from typing import Any
 import click
 import numpy as np
 
-from sherd.benchmark.metrics import GroundTruthDistances
 from sherd.cli.exits import NOT_CONVERGED
-from sherd.cli.inputs import (
-    PreparedMesh,
-    command_line,
-    prepared_mesh,
-    prepared_part,
-    show_notices,
-)
-from sherd.cli.lifting import as_read, repaired_vertices
+from sherd.cli.inputs import command_line, show_notices, stored_template
 from sherd.cli.tables import read_ground_truth, read_ignored, read_landmarks
-from sherd.either_side import is_sure_of_side
-from sherd.errors import InputError
-from sherd.match import MatchOptions, MatchResult, MatchStatus, match
+from sherd.match import STAGES, match
 from sherd.output import Stages
 from sherd.report.exports import MAP_EXPORTS, SHAPE_EXPORTS
-from sherd.report.match_report import write_match_report
-from sherd.template import Template
+from sherd.report.write import write_report
+from sherd.results.match_options import SCALES, MatchOptions
+from sherd.results.match_result import MatchResult
+from sherd.results.status import Status
+from sherd.scan.either_side import SIDES
+from sherd.scan.intake import Intake, scan_intake
+from sherd.scan.numbering import repaired_vertices
+from sherd.spectral.true_distances import GroundTruthDistances
+from sherd.surface.template import Template
 
 __all__ = ["match_and_write", "match_command", "match_summary"]
 
-# the seven of match, and files
-STAGE_COUNT = 8
 FILE = click.Path(path_type=Path)
 
 
@@ -41,7 +36,7 @@ FILE = click.Path(path_type=Path)
 @click.option("-o", "--output", type=FILE, required=True, help="Folder.")
 @click.option(
     "--scale",
-    type=click.Choice(["same", "unknown"]),
+    type=click.Choice(SCALES),
     default="same",
     show_default=True,
     help="Unknown: the part's scale is estimated within half and twice that of FULL.",
@@ -53,6 +48,13 @@ FILE = click.Path(path_type=Path)
     "--template",
     type=FILE,
     help="File (.npz) that keeps what depends on FULL alone: made if missing, used if there.",
+)
+@click.option(
+    "--side",
+    type=click.Choice(SIDES),
+    default="either",
+    show_default=True,
+    help="Given: the faces of PART look outward.",
 )
 @click.option("--seed", type=int, default=0, show_default=True)
 @click.option(
@@ -79,21 +81,21 @@ def match_command(
       sherd match template.ply scan.ply -o out/ --scale unknown
       sherd match template.ply scan.ply -o out/ --landmarks pairs.csv --export vtp
     """  # noqa: D301
-    stages = Stages(STAGE_COUNT, visible=False if quiet else None)
-    meshes = prepared_mesh(full), prepared_part(part)
+    stages = Stages(len(STAGES) + 1, visible=False if quiet else None)
+    template, scan = stored_template(hints["template"], full), scan_intake(part)
     options = MatchOptions(
         scale=hints["scale"],
-        landmarks=_landmarks(hints["landmarks"], *meshes),
-        ignore=_ignored(hints["ignore"], meshes[1]),
+        landmarks=_landmarks(hints["landmarks"], template.intake, scan),
+        ignore=_ignored(hints["ignore"], scan),
+        side=hints["side"],
         seed=hints["seed"],
     )
-    template = _template(hints["template"], meshes[0])
     result, document = match_and_write(
-        *meshes,
+        template,
+        scan,
         output,
         options=options,
         stages=stages,
-        template=template,
         truth=hints["ground_truth"],
         exports=hints["exports"],
     )
@@ -102,46 +104,29 @@ def match_command(
         click.echo(json.dumps(document, indent=2))
     elif not quiet:
         click.echo(match_summary(result, document, output))
-    return 0 if result.status is not MatchStatus.DOUBTFUL else NOT_CONVERGED
+    return 0 if result.status is Status.GOOD else NOT_CONVERGED
 
 
 def match_and_write(
-    full: PreparedMesh,
-    part: PreparedMesh,
+    full: Template,
+    part: Intake,
     output: Path,
     *,
     options: MatchOptions,
     stages: Stages,
-    template: Template | None = None,
     truth: Path | None = None,
     exports: tuple[str, ...] = (),
 ) -> tuple[MatchResult, dict[str, Any]]:
-    """Match the repaired meshes and write the answer in the numbering of the files."""
-    true_points = None if truth is None else read_ground_truth(truth, full.original, part.original)
-    template = template or Template(full.repaired)
-    found = match(template, part.repaired, options, stages=stages)
-    # where the faces do not tell, the side on which neighborhoods agree is outside
-    inside_out = found.status is MatchStatus.DOUBTFUL and len(part.repaired.boundary_vertices) > 0
-    if inside_out or (part.one_sided and not is_sure_of_side(found)):
-        turned = part.turned()
-        other = match(template, turned.repaired, options, stages=stages)
-        if other.scores["best"] > found.scores["best"]:
-            found, part = other, turned
-    show_notices(full, part)
-    result = as_read(found, full, part)
+    """Match, say what was adapted, and write the answer."""
+    true_points = None if truth is None else read_ground_truth(truth, full.full, part.original)
+    result = match(full, part, options, stages=stages)
+    show_notices(result)
     with stages("files"):
         errors = None
         if true_points is not None:
-            measure = GroundTruthDistances(full.original)
-            errors = measure.between(true_points, result.point_map.points)
-        document = write_match_report(
-            result,
-            output,
-            command=command_line(),
-            notices={"full": full.notices, "part": part.notices},
-            errors=errors,
-            check=found.check(),
-            exports=exports,
+            errors = GroundTruthDistances(result.full).between(true_points, result.points)
+        document = write_report(
+            result, output, command=command_line(), errors=errors, exports=exports
         )
     return result, document
 
@@ -158,7 +143,7 @@ def match_summary(result: MatchResult, document: dict[str, Any], output: Path) -
     lines += [
         f"Alternative: {other.name}, score {other.score:.3f}" for other in result.alternatives
     ]
-    if result.status is MatchStatus.DOUBTFUL:
+    if result.status is Status.DOUBTFUL:
         lines.append(f"The result is {result.status.advice}.")
     if "ground_truth" in document:
         mean = document["ground_truth"]["mean_error_x100"]
@@ -167,39 +152,22 @@ def match_summary(result: MatchResult, document: dict[str, Any], output: Path) -
     return "\n".join(lines)
 
 
-def _landmarks(
-    path: Path | None, full: PreparedMesh, part: PreparedMesh
-) -> tuple[tuple[int, int], ...]:
+def _landmarks(path: Path | None, full: Intake, part: Intake) -> tuple[tuple[int, int], ...]:
     if path is None:
         return ()
     on_part, on_full = read_landmarks(path)
-    part_vertices = repaired_vertices(part, on_part, what=str(path))
-    full_vertices = repaired_vertices(full, on_full, what=str(path))
-    return tuple(zip(part_vertices.tolist(), full_vertices.tolist(), strict=True))
+    # refused here, where the file has a name
+    repaired_vertices(part, on_part, what=f"{path}:")
+    repaired_vertices(full, on_full, what=f"{path}:")
+    return tuple(zip(on_part.tolist(), on_full.tolist(), strict=True))
 
 
-def _ignored(path: Path | None, part: PreparedMesh) -> tuple[int, ...]:
+def _ignored(path: Path | None, part: Intake) -> tuple[int, ...]:
     if path is None:
         return ()
     vertices = read_ignored(path)
+    known = np.clip(vertices, 0, part.original.vertex_count - 1)
     # a vertex that repair left out is ignored anyway
-    kept = vertices[part.report.new_vertices[np.clip(vertices, 0, None).astype(int)] >= 0]
-    return tuple(repaired_vertices(part, kept, what=str(path)).tolist())
-
-
-def _template(path: Path | None, full: PreparedMesh) -> Template | None:
-    if path is None:
-        return None
-    if not path.exists():
-        template = Template(full.repaired)
-        template.save(path)
-        return template
-    template = Template.load(path)
-    same = np.array_equal(template.full.faces, full.repaired.faces) and np.array_equal(
-        template.full.vertices, full.repaired.vertices
-    )
-    if not same:
-        raise InputError(
-            f"{path}: was made for another mesh than {full.original.name}; name another file"
-        )
-    return template
+    kept = vertices[(part.report.new_vertices[known] >= 0) | (known != vertices)]
+    repaired_vertices(part, kept, what=f"{path}:")
+    return tuple(kept.tolist())

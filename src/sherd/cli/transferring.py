@@ -16,15 +16,8 @@ from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.output import write_text
 from sherd.report.files import table_csv
-from sherd.report.stored_match import StoredMatch, read_match
-from sherd.transfer import (
-    field_to_full,
-    field_to_part,
-    labels_to_full,
-    labels_to_part,
-    landmarks_to_full,
-    landmarks_to_part,
-)
+from sherd.report.stored_match import read_match
+from sherd.results.match_result import MatchResult
 
 __all__ = ["transfer_command"]
 
@@ -73,14 +66,14 @@ def transfer_command(
     return 0
 
 
-def _carried(stored: StoredMatch, array: Floats, *, to: str, labels: bool) -> NDArray[np.generic]:
+def _carried(stored: MatchResult, array: Floats, *, to: str, labels: bool) -> NDArray[np.generic]:
     if labels:
-        return labels_to_part(stored, array) if to == "part" else labels_to_full(stored, array)
-    return field_to_part(stored, array) if to == "part" else field_to_full(stored, array)
+        return stored.labels_to_part(array) if to == "part" else stored.labels_to_full(array)
+    return stored.field_to_part(array) if to == "part" else stored.field_to_full(array)
 
 
 def _table(
-    stored: StoredMatch, path: Path, columns: dict[str, list[str]], *, to: str, labels: bool
+    stored: MatchResult, path: Path, columns: dict[str, list[str]], *, to: str, labels: bool
 ) -> str:
     source, target = (stored.full, stored.part) if to == "part" else (stored.part, stored.full)
     order = numbers_of(path, columns, "vertex").astype(np.int64)
@@ -97,13 +90,13 @@ def _table(
     return table_csv(carried)
 
 
-def _landmarks(stored: StoredMatch, path: Path, columns: dict[str, list[str]], to: str) -> str:
+def _landmarks(stored: MatchResult, path: Path, columns: dict[str, list[str]], to: str) -> str:
     vertices = numbers_of(path, columns, "vertex").astype(np.int64)
     target = stored.part if to == "part" else stored.full
     if to == "part":
-        points, misses = landmarks_to_part(stored, vertices)
+        points, misses = stored.landmarks_to_part(vertices)
     else:
-        points, misses = landmarks_to_full(stored, vertices), None
+        points, misses = stored.landmarks_to_full(vertices), None
     return _landmark_text(columns["name"], target, points, misses)
 
 
@@ -133,7 +126,7 @@ def _awkward(name: str) -> bool:
     return any(letter in name for letter in ',"\n')
 
 
-def _mesh(stored: StoredMatch, path: Path, output: Path, *, to: str, labels: bool) -> None:
+def _mesh(stored: MatchResult, path: Path, output: Path, *, to: str, labels: bool) -> None:
     painted = read_mesh(path)
     source, target = (stored.full, stored.part) if to == "part" else (stored.part, stored.full)
     if painted.vertex_count != source.vertex_count:
@@ -147,7 +140,7 @@ def _mesh(stored: StoredMatch, path: Path, output: Path, *, to: str, labels: boo
         if name == "color":
             # gray where there is no partner
             fields[name] = np.nan_to_num(
-                field_to_part(stored, values) if to == "part" else field_to_full(stored, values),
+                stored.field_to_part(values) if to == "part" else stored.field_to_full(values),
                 nan=0.6,
             )
         else:

@@ -17,7 +17,7 @@ from sherd.errors import InvalidMeshError, OptionError
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
 
-__all__ = ["Exhibit", "Layer", "LayerKind", "Partner", "Placement"]
+__all__ = ["Exhibit", "Layer", "LayerKind", "Partner", "Alternative"]
 
 LayerKind = Literal["scalar", "mask", "color", "category"]
 COLOR_MAPS = ("ember", "lagoon", "dusk", "balance")
@@ -152,7 +152,7 @@ class Partner:
 
 
 @dataclass(frozen=True, eq=False)
-class Placement:
+class Alternative:
     """Another place where the part may belong.
 
     Parameters
@@ -227,7 +227,7 @@ class Exhibit:
     anchors: Ints | None = None
     score: float = float("nan")
     score_name: str = "score"
-    alternatives: tuple[Placement, ...] = ()
+    alternatives: tuple[Alternative, ...] = ()
     summary: tuple[str, ...] = ()
     facts: Mapping[str, Any] = field(default_factory=dict)
     command: str = ""

@@ -18,6 +18,7 @@ __all__ = [
     "file_layers",
     "known_layer",
     "located_part_layers",
+    "own_fields",
     "stored_layers",
 ]
 
@@ -87,6 +88,14 @@ def file_layers(fields: Mapping[str, Floats], *, carried: bool = False) -> tuple
         for name, values in fields.items()
         if values.ndim == 1 and np.isfinite(values).any()
     )
+
+
+def own_fields(fields: Mapping[str, Floats]) -> dict[str, Floats]:
+    """Those vertex properties of a PLY file that sherd wrote which came with the user's mesh."""
+    suffix = "_" + property_name(FROM_FILE)
+    return {
+        name.removesuffix(suffix): values for name, values in fields.items() if name.endswith(suffix)
+    }
 
 
 def stored_layers(fields: Mapping[str, Floats], *, carried: bool = False) -> tuple[Layer, ...]:

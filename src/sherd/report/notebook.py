@@ -7,13 +7,12 @@ from dataclasses import dataclass
 
 from PIL import Image
 
-from sherd.match import MatchResult
-from sherd.region.region import Region
 from sherd.report.exhibit import Exhibit
 from sherd.report.html import page
-from sherd.report.match_report import match_exhibit, match_result
 from sherd.report.picture import picture
-from sherd.report.region_report import region_exhibit
+from sherd.report.write import report_of
+from sherd.results.locate_result import LocateResult
+from sherd.results.match_result import MatchResult
 
 __all__ = ["Shown", "exhibit_of", "plot", "show"]
 
@@ -44,16 +43,12 @@ class Shown:
         )
 
 
-def exhibit_of(result: Region | MatchResult | Exhibit) -> Exhibit:
+def exhibit_of(result: MatchResult | LocateResult | Exhibit) -> Exhibit:
     """A result as something to look at; an exhibit is returned as it is."""
-    if isinstance(result, Region):
-        return region_exhibit(result)
-    if isinstance(result, MatchResult):
-        return match_exhibit(result, match_result(result))
-    return result
+    return result if isinstance(result, Exhibit) else report_of(result).exhibit
 
 
-def show(result: Region | MatchResult | Exhibit, *, height: int = 900) -> Shown:
+def show(result: MatchResult | LocateResult | Exhibit, *, height: int = 900) -> Shown:
     """Return the interactive page of a result; the last line of a notebook cell displays it.
 
     Parameters
@@ -67,7 +62,7 @@ def show(result: Region | MatchResult | Exhibit, *, height: int = 900) -> Shown:
 
 
 def plot(
-    result: Region | MatchResult | Exhibit, *, layer: str | None = None, width: int = 1600
+    result: MatchResult | LocateResult | Exhibit, *, layer: str | None = None, width: int = 1600
 ) -> Image.Image:
     """Both shapes side by side as a picture, which notebooks display and ``.save(path)`` writes.
 

@@ -53,14 +53,13 @@ def _match_exhibit(path: Path, document: Mapping[str, Any]) -> Exhibit:
     stored = read_match(path)
     full, part = _named(stored.full, document["full"]), _named(stored.part, document["part"])
     colors = correspondence_layer(full)
-    point_map = stored.point_map
     return Exhibit(
         title=f"{part.name} on {full.name}",
         full=full,
         part=part,
         full_layers=(colors, *stored_layers(stored.full.fields, carried=True)),
         part_layers=stored_layers(stored.part.fields),
-        partner=Partner(point_map.points, point_map.matched, point_map.confidence),
+        partner=Partner(stored.points, stored.matched, stored.confidence),
         region=_mask(stored.full),
     )
 

@@ -1,62 +1,140 @@
-"""Read back what `sherd match` wrote, to carry values over without matching again."""
+"""Read back what `sherd match` wrote: the same result, without matching again."""
 
 from __future__ import annotations
 
 import csv
+import io
 import json
 import os
-from dataclasses import dataclass
+import zipfile
 from pathlib import Path
+from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 
-from sherd.correspondence.point_map import PointMap
 from sherd.errors import InputError, SherdError
 from sherd.files.mesh_files import read_mesh
+from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.report.folder import folder_problems
+from sherd.report.known_layers import own_fields
+from sherd.results.match_options import MatchOptions
+from sherd.results.match_result import MatchResult
+from sherd.results.placement import Placement
+from sherd.results.status import Status
 
-__all__ = ["StoredMatch", "read_match"]
+__all__ = ["FORMAT", "read_match", "stored_alternatives"]
 
-
-@dataclass(frozen=True, eq=False)
-class StoredMatch:
-    """What :mod:`sherd.transfer` needs of a match: both meshes, the map and the scale."""
-
-    full: TriangleMesh
-    part: TriangleMesh
-    point_map: PointMap
-    scale: float
+FORMAT = "sherd match 1"
 
 
-def read_match(folder: str | os.PathLike[str]) -> StoredMatch:
-    """Read the output folder of `sherd match`.
+def stored_alternatives(alternatives: tuple[Placement, ...]) -> bytes:
+    """An ``.npz`` file with ``faces_K``, ``barycentric_K``, ``mask_K``, ``membership_K`` of each."""
+    arrays: dict[str, Any] = {}
+    for k, other in enumerate(alternatives):
+        arrays[f"mask_{k}"], arrays[f"membership_{k}"] = other.mask, other.membership
+        if other.points is not None:
+            arrays[f"faces_{k}"] = other.points.faces
+            arrays[f"barycentric_{k}"] = other.points.barycentric
+    stream = io.BytesIO()
+    np.savez_compressed(stream, **arrays)
+    return stream.getvalue()
+
+
+def read_match(folder: str | os.PathLike[str]) -> MatchResult:
+    """Read the output folder of `sherd match`: all that the result said, to the printed digits.
 
     Raises
     ------
     InputError
         If the folder is missing, holds no match, or mixes the files of two runs.
+
+    Examples
+    --------
+    >>> read_match("nowhere")
+    Traceback (most recent call last):
+        ...
+    sherd.errors.InputError: nowhere: there is no such folder; give one that sherd wrote
     """
     path = Path(folder)
     problems = folder_problems(path)
     if problems:
         raise InputError(problems[0])
     try:
-        result = json.loads((path / "result.json").read_text(encoding="utf-8"))
-        if result.get("format") != "sherd match 1":
-            raise InputError(f"{path}: holds {result.get('format')!r}, not the result of a match")
-        full, part = read_mesh(path / "full.ply"), read_mesh(path / "part.ply")
-        with (path / "correspondence.csv").open(newline="", encoding="utf-8") as stream:
-            rows = list(csv.DictReader(stream))
-        weights = np.array([[float(row[f"b{k}"]) for k in range(3)] for row in rows])
-        point_map = PointMap(
-            np.array([int(row["full_face"]) for row in rows]),
-            weights / weights.sum(axis=1, keepdims=True),
-            np.array([row["matched"] == "1" for row in rows]),
-            np.array([float(row["confidence"]) for row in rows]),
-        )
+        document = json.loads((path / "result.json").read_text(encoding="utf-8"))
+        if document.get("format") != FORMAT:
+            raise InputError(f"{path}: holds {document.get('format')!r}, not the result of a match")
+        return _result(path, document)
     except SherdError:
         raise
-    except (OSError, ValueError, KeyError) as error:
+    except (OSError, ValueError, KeyError, TypeError, zipfile.BadZipFile) as error:
         raise InputError(f"{path}: cannot be read as the result of a match ({error})") from error
-    return StoredMatch(full, part, point_map, float(result["scale"]))
+
+
+def _result(path: Path, document: dict[str, Any]) -> MatchResult:
+    scores = document["scores"]
+    notices = {which: tuple(document[which]["notices"]) for which in ("full", "part")}
+    return MatchResult(
+        full=_shape(path / "full.ply", document["full"]),
+        part=_shape(path / "part.ply", document["part"]),
+        best=_best(path, float(scores["best"])),
+        alternatives=_alternatives(path, document["alternatives"]),
+        scale=float(document["scale"]),
+        second_score=scores.get("other"),
+        twin_score=scores.get("mirrored twin"),
+        status=Status[document["status"].upper()],
+        timings=MappingProxyType(document["timings"]),
+        options=_options(document["options"]),
+        version=document["version"],
+        working_vertices=MappingProxyType(document["working_vertices"]),
+        notices=MappingProxyType(notices),
+    )
+
+
+def _shape(path: Path, facts: dict[str, Any]) -> TriangleMesh:
+    """The mesh as it was given: what the result has painted on it is taken off."""
+    mesh = read_mesh(path)
+    return TriangleMesh(
+        mesh.vertices, mesh.faces, fields=own_fields(mesh.fields), name=str(facts["name"])
+    )
+
+
+def _best(path: Path, score: float) -> Placement:
+    answers, region = _rows(path / "correspondence.csv"), _rows(path / "region.csv")
+    weights = np.array([[float(row[f"b{k}"]) for k in range(3)] for row in answers])
+    faces = np.array([int(row["full_face"]) for row in answers])
+    return Placement(
+        mask=np.array([row["in_region"] == "1" for row in region]),
+        membership=np.array([float(row["membership"]) for row in region]),
+        score=score,
+        points=SurfacePoints(faces, weights / weights.sum(axis=1, keepdims=True)),
+        matched=np.array([row["matched"] == "1" for row in answers]),
+        confidence=np.array([float(row["confidence"]) for row in answers]),
+    )
+
+
+def _alternatives(path: Path, facts: list[dict[str, Any]]) -> tuple[Placement, ...]:
+    if not facts:
+        return ()
+    with np.load(path / "alternatives.npz", allow_pickle=False) as stored:
+        return tuple(
+            Placement(
+                mask=stored[f"mask_{k}"],
+                membership=stored[f"membership_{k}"],
+                score=float(fact["score"]),
+                mirrored=bool(fact["mirrored"]),
+                points=SurfacePoints(stored[f"faces_{k}"], stored[f"barycentric_{k}"]),
+            )
+            for k, fact in enumerate(facts)
+        )
+
+
+def _options(stored: dict[str, Any]) -> MatchOptions:
+    pairs = tuple((int(part), int(full)) for part, full in stored["landmarks"])
+    return MatchOptions(**{**stored, "landmarks": pairs, "ignore": tuple(stored["ignore"])})
+
+
+def _rows(path: Path) -> list[dict[str, str]]:
+    with path.open(newline="", encoding="utf-8") as stream:
+        return list(csv.DictReader(stream))

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from sherd.errors import MeshFileError
+from sherd.errors import InputError, MeshFileError
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.output import write_bytes
 from sherd.scan.intake import Intake, MeshSource, mesh_intake
@@ -91,13 +91,22 @@ class Template(DescribedSurface):
         write_bytes(path, stream.getvalue())
 
     @classmethod
-    def load(cls, path: str | os.PathLike[str]) -> Template:
+    def load(cls, path: str | os.PathLike[str], *, full: Intake | None = None) -> Template:
         """Read what :meth:`save` wrote; matching with it gives the same bits.
+
+        Parameters
+        ----------
+        path
+            The file.
+        full
+            The full shape, where it is at hand: it must be the one that the file was made for.
 
         Raises
         ------
         MeshFileError
             If the file is missing, damaged, or of another version of sherd.
+        InputError
+            If it was made for another mesh than `full`.
         """
         try:
             with Path(path).open("rb") as stream, np.load(stream, allow_pickle=False) as stored:
@@ -109,10 +118,14 @@ class Template(DescribedSurface):
             ) from error
         if _NAMES - set(content) or content["format"].tolist() != FORMAT or not _fit(content):
             raise MeshFileError(f"{path}: is no template of this version of sherd; make it again")
-        full = TriangleMesh(content["vertices"], content["faces"], name=str(content["name"]))
-        intake = mesh_intake(full)
+        mesh = TriangleMesh(content["vertices"], content["faces"], name=str(content["name"]))
+        if full is not None and not _same(mesh, full.original):
+            raise InputError(
+                f"{path}: was made for another mesh than {full.original.name}; name another file"
+            )
+        intake = mesh_intake(mesh) if full is None else full
         placed = canonical(intake.mesh, intake.mesh.length)
-        mesh = TriangleMesh(content["mesh_vertices"], content["mesh_faces"], name=full.name)
+        mesh = TriangleMesh(content["mesh_vertices"], content["mesh_faces"], name=placed.name)
         known = Known(
             normals=content["normals"],
             spectra=content["spectra"],
@@ -129,6 +142,10 @@ _NAMES = {
     "format", "name", "vertices", "faces", "mesh_vertices", "mesh_faces", "dense_vertices",
     "dense_distances", "dense_directions", "normals", "spectra",
 }  # fmt: skip
+
+
+def _same(mesh: TriangleMesh, other: TriangleMesh) -> bool:
+    return np.array_equal(mesh.faces, other.faces) and np.array_equal(mesh.vertices, other.vertices)
 
 
 def _fit(content: dict[str, Any]) -> bool:

@@ -1,0 +1,95 @@
+"""write_report: the output folder of any result."""
+
+from __future__ import annotations
+
+import os
+from typing import Any
+
+from sherd.arrays import Floats
+from sherd.errors import InputError
+from sherd.output import ResultFolder
+from sherd.report.exports import exported
+from sherd.report.folder import plain
+from sherd.report.frame import Report
+from sherd.report.html import page
+from sherd.report.locate_report import locate_report
+from sherd.report.match_report import match_report
+from sherd.report.picture import picture, png_bytes
+from sherd.results.locate_result import LocateResult
+from sherd.results.match_result import MatchResult
+
+__all__ = ["report_of", "write_report"]
+
+
+def write_report(
+    result: MatchResult | LocateResult,
+    folder: str | os.PathLike[str],
+    *,
+    command: str = "",
+    errors: Floats | None = None,
+    exports: tuple[str, ...] = (),
+) -> dict[str, Any]:
+    """Write all files of a result: tables, colored meshes, a picture, a page; see docs/files.md.
+
+    Parameters
+    ----------
+    result
+        Of :func:`sherd.match` or :func:`sherd.locate`.
+    folder
+        Made when missing; files of the same names are replaced.
+    command
+        What to type to get the same again, shown in the report.
+    errors
+        (n_part,) error of each vertex in sqrt(area of the full shape), where the truth of a match
+        is known.
+    exports
+        Further files, of :data:`sherd.report.exports.SHAPE_EXPORTS` and, for a match,
+        ``MAP_EXPORTS``.
+
+    Returns
+    -------
+    dict
+        The content of ``result.json``.
+
+    Raises
+    ------
+    OptionError
+        If an export is unknown.
+    InputError
+        If `result` is none, or errors are given for a region.
+    OutputError
+        If something cannot be written; what stood in the folder before is untouched.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from sherd.locate import locate
+    >>> from sherd.shapes import creature, cut_by_ball, whole
+    >>> full = creature(5000)
+    >>> result = locate(full, cut_by_ball(whole(creature(5000, pose="walk"), full), 0, 0.5).mesh)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     sorted(write_report(result, folder)["files"])
+    ['part.ply', 'region.csv', 'region.ply', 'region.png', 'report.html']
+    """
+    report = report_of(result, command=command, errors=errors)
+    with ResultFolder(folder) as output:
+        for name, content in report.files.items():
+            output.add(name, content)
+        output.add(report.picture_name, png_bytes(picture(report.exhibit)))
+        output.add("report.html", page(report.exhibit))
+        for name, content in exported(report.exhibit, exports).items():
+            output.add(name, content)
+        return output.finish(plain(dict(report.document)))
+
+
+def report_of(
+    result: MatchResult | LocateResult, *, command: str = "", errors: Floats | None = None
+) -> Report:
+    """What there is to write of a result, and to show."""
+    if isinstance(result, MatchResult):
+        return match_report(result, command=command, errors=errors)
+    if not isinstance(result, LocateResult):
+        raise InputError(f"a {type(result).__name__} is no result of match or locate")
+    if errors is not None:
+        raise InputError("errors are of the points of a match; a region has none")
+    return locate_report(result, command=command)
