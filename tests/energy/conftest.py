@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from sherd.energy.mumford_shah import EnergyWeights, RegionProblem, region_problem
+from sherd.energy.problem import EnergyWeights, RegionProblem, region_problem
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.spectral.basis import EigenBasis, eigenbasis
 

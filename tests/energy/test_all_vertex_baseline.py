@@ -1,21 +1,17 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy import sparse
 
 from sherd.energy.all_vertices import full_membership_quadratic, full_phase_quadratic, full_region
 from sherd.energy.convergence import Convergence
-from sherd.energy.quadratic import BoundedQuadratic
+from sherd.energy.quadratic import BoundedQuadratic, StructuredQuadratic, certified
 from sherd.energy.solvers import quadratic_program
-from sherd.energy.structured import (
-    StructuredQuadratic,
-    active_sets,
-    interior_point,
-    solve_structured,
-)
+from sherd.energy.structured import active_sets, interior_point, solve_structured
 from sherd.energy.subspace import subspace_region
-from sherd.errors import OptionError
 from sherd.spectral.basis import eigenbasis
 
 
@@ -47,6 +43,9 @@ def dense(problem: StructuredQuadratic) -> BoundedQuadratic:
 def test_structured_solvers_reach_the_optimum(seed: int) -> None:
     problem = random_structured(seed)
     reference = quadratic_program(dense(problem))
+    held = np.count_nonzero(np.abs(reference.values - 0.5) > 0.5 - 1e-9)
+    assert 0 < held < 60
+    assert solve_structured(problem).rows_used == held
     for solve in (interior_point, solve_structured):
         solution = solve(problem)
         assert solution.status is Convergence.CONVERGED
@@ -54,6 +53,41 @@ def test_structured_solvers_reach_the_optimum(seed: int) -> None:
         assert np.abs(solution.values - reference.values).max() < 1e-4
         assert max(solution.primal_residual, solution.dual_residual) < 1e-7
         assert solution.duality_gap < 1e-7
+
+
+def test_both_programs_are_certified_alike() -> None:
+    """At a point that is no optimum, so that every residual is seen, with and without equality."""
+    rng = np.random.default_rng(7)
+    for equality in (True, False):
+        structured = random_structured(3)
+        if not equality:
+            structured = replace(structured, equality=None)
+        u, y = 2 * rng.random(60) - 0.5, np.where(rng.random(60) < 0.5, 0, rng.normal(size=60))
+        first, second = (
+            certified(problem, u, y, iterations=1, rows_used=2, status=Convergence.STALLED)
+            for problem in (structured, dense(structured))
+        )
+        for name in ("objective", "primal_residual", "dual_residual", "duality_gap"):
+            assert getattr(first, name) > 0.1
+            assert getattr(first, name) == pytest.approx(getattr(second, name), rel=1e-10)
+        nu = first.equality_multiplier
+        assert nu == pytest.approx(second.equality_multiplier, rel=1e-10, nan_ok=True)
+        assert np.isnan(nu) == (not equality)
+        assert (first.values == u).all()
+        assert (first.multipliers == y).all()
+        assert first.rows_used == second.rows_used == 2
+    for entry in (4.0, -3.0):
+        u = np.full(60, 0.5)
+        u[7] = entry
+        solution = certified(
+            replace(structured, equality=None),
+            u,
+            np.zeros(60),
+            iterations=1,
+            rows_used=0,
+            status=Convergence.STALLED,
+        )
+        assert solution.primal_residual == 3.0
 
 
 def test_without_bounds_in_the_way_it_is_a_linear_system() -> None:
@@ -87,10 +121,3 @@ def test_baseline_descends_and_the_subspace_tends_to_it(cap_problem, bumpy_spher
         errors.append(areas @ np.abs(subspace.membership - region.membership) / areas.sum())
     assert errors[0] > 2 * errors[1] > 4 * errors[2]
     assert errors[2] < 0.01
-
-
-def test_wrong_options(cap_problem) -> None:
-    with pytest.raises(OptionError, match="iterations"):
-        full_region(cap_problem, iterations=0)
-    with pytest.raises(OptionError, match="tolerance"):
-        full_region(cap_problem, tolerance=float("nan"))

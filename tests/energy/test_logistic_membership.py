@@ -12,7 +12,7 @@ from sherd.energy.logistic import (
     area_shift,
     logistic_regions,
 )
-from sherd.energy.mumford_shah import EnergyWeights
+from sherd.energy.problem import EnergyWeights
 from sherd.errors import InputError, OptionError
 
 
@@ -108,6 +108,12 @@ def test_exponential_keeps_its_upper_rows(cap_problem, sphere_basis, starts, cap
     areas, area = cap_problem.vertex_areas, cap_problem.part_area
     assert areas @ np.abs(best.membership - cap) < 0.3 * area
     assert best.bound_violation < 0.01
+    heights = sphere_basis.eigenvectors @ best.membership_coefficients * np.sqrt(areas.sum())
+    rebuilt = np.minimum(np.exp(-heights - best.shift), 1.0)
+    assert np.abs(rebuilt - best.membership).max() < 1e-12
+    hurried = LogisticOptions(round_evaluations=2, crispness=(0.0,))
+    short = exponential_regions(cap_problem, sphere_basis, starts, options=hurried)[0]
+    assert short.status is Convergence.ITERATION_LIMIT
     assert areas @ best.membership == pytest.approx(area, rel=1e-3)
 
 
@@ -141,5 +147,18 @@ def test_columns_descend_on_their_own() -> None:
     assert found.converged.all()
     assert np.abs(found.points - 1).max() < 1e-6
     assert found.evaluations[0] < found.evaluations[2] < 200
+    assert [found.status(column) for column in range(3)] == [Convergence.CONVERGED] * 3
     short = minimize_columns(valleys, start, evaluations=5, tolerance=1e-8)
     assert not short.converged.any()
+    assert short.status(0) is Convergence.ITERATION_LIMIT
+
+
+def test_a_column_without_a_way_down_stalls() -> None:
+    """Every step along a gradient of the wrong sign rises."""
+
+    def uphill(points: np.ndarray, _: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        return (points**2).sum(axis=0), -2 * points
+
+    found = minimize_columns(uphill, np.ones((2, 1)), evaluations=200, tolerance=1e-8)
+    assert found.status(0) is Convergence.STALLED
+    assert (found.points == 1).all()

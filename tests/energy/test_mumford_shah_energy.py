@@ -5,6 +5,7 @@ import pytest
 
 from sherd.energy import mumford_shah as ms
 from sherd.energy.batched_energy import BatchedEnergy
+from sherd.energy.problem import EnergyWeights, region_problem
 from sherd.errors import InfeasibleError, InputError, OptionError
 from sherd.mesh.triangle_mesh import TriangleMesh
 
@@ -70,7 +71,7 @@ def test_energy_has_no_unit(bumpy_sphere, cap, cap_problem) -> None:
     scale, strength = 37.0, 0.01
     big = bumpy_sphere.with_vertices(scale * bumpy_sphere.vertices)
     descriptors = strength * cap_problem.descriptors
-    rescaled = ms.region_problem(
+    rescaled = region_problem(
         big,
         full_descriptors=descriptors,
         part_integral=descriptors.T @ (big.vertex_areas * cap),
@@ -98,12 +99,12 @@ def test_boundary_term_measures_length() -> None:
     )
     strip = TriangleMesh(vertices, faces)
     width = 0.1  # of sqrt(s) = 0.1: 0.01 in x, two mesh widths
-    problem = ms.region_problem(
+    problem = region_problem(
         strip,
         full_descriptors=np.ones((2 * count, 1)),
         part_integral=[0.01],
         part_area=0.01,
-        weights=ms.EnergyWeights(regularity=1.0, phase_width=width),
+        weights=EnergyWeights(regularity=1.0, phase_width=width),
     )
     profile = 1 - np.exp(-np.abs(np.tile(x, 2)) / (2 * width * 0.1))
     # the line has length 0.01, a tenth of sqrt(s); the mesh resolves the kink to a few percent
@@ -114,18 +115,18 @@ def test_questions_without_answer_are_refused(bumpy_sphere) -> None:
     count, area = bumpy_sphere.vertex_count, bumpy_sphere.area
     good = {"full_descriptors": np.ones((count, 2)), "part_integral": [1.0, 1.0]}
     with pytest.raises(InfeasibleError, match=r"1\.100 times the area"):
-        ms.region_problem(bumpy_sphere, **good, part_area=1.1 * area)
-    assert ms.region_problem(bumpy_sphere, **good, part_area=1.04 * area).part_area == area
+        region_problem(bumpy_sphere, **good, part_area=1.1 * area)
+    assert region_problem(bumpy_sphere, **good, part_area=1.04 * area).part_area == area
     for bad in (0.0, -1.0, np.nan):
         with pytest.raises(InfeasibleError, match="positive area"):
-            ms.region_problem(bumpy_sphere, **good, part_area=bad)
+            region_problem(bumpy_sphere, **good, part_area=bad)
     with pytest.raises(InputError, match="zero"):
-        ms.region_problem(bumpy_sphere, **{**good, "part_integral": [0, 0]}, part_area=1.0)
+        region_problem(bumpy_sphere, **{**good, "part_integral": [0, 0]}, part_area=1.0)
     with pytest.raises(InputError, match="NaN"):
-        ms.region_problem(bumpy_sphere, **{**good, "part_integral": [np.nan, 0]}, part_area=1.0)
+        region_problem(bumpy_sphere, **{**good, "part_integral": [np.nan, 0]}, part_area=1.0)
     with pytest.raises(InputError, match=r"\(642, d\)"):
-        ms.region_problem(
+        region_problem(
             bumpy_sphere, full_descriptors=np.ones((3, 2)), part_integral=[1, 1], part_area=1.0
         )
     with pytest.raises(OptionError, match="phase_width"):
-        ms.EnergyWeights(phase_width=0.0)
+        EnergyWeights(phase_width=0.0)

@@ -7,7 +7,8 @@ from hypothesis import strategies as st
 from scipy.optimize import minimize
 
 from sherd.energy.convergence import Convergence
-from sherd.energy.mumford_shah import EnergyWeights, data_term
+from sherd.energy.mumford_shah import data_term
+from sherd.energy.problem import EnergyWeights
 from sherd.energy.quadratic import BoundedQuadratic
 from sherd.energy.solvers import SOLVERS, active_set, augmented_lagrangian, quadratic_program
 from sherd.energy.subspace import subspace_region
@@ -142,8 +143,6 @@ def test_limit_of_no_regularity(cap_problem, sphere_basis) -> None:
 def test_wrong_questions(cap_problem, sphere_basis, bumpy_sphere) -> None:
     with pytest.raises(OptionError, match="active-set"):
         subspace_region(cap_problem, sphere_basis, solver="simplex")
-    with pytest.raises(OptionError, match="iterations"):
-        subspace_region(cap_problem, sphere_basis, iterations=0)
     small, _ = bumpy_sphere.submesh(np.arange(bumpy_sphere.face_count) < 100)
     with pytest.raises(InputError, match="642"):
         subspace_region(cap_problem, eigenbasis(small, 5))

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from sherd.arrays import Bools, Floats, Ints
+from sherd.energy.convergence import Convergence
 
 __all__ = ["ColumnMinima", "Objective", "minimize_columns"]
 
@@ -49,6 +50,12 @@ class ColumnMinima:
     evaluations: Ints
     converged: Bools
     stalled: Bools
+
+    def status(self, column: int) -> Convergence:
+        """Why the descent of a column ended."""
+        if self.converged[column]:
+            return Convergence.CONVERGED
+        return Convergence.STALLED if self.stalled[column] else Convergence.ITERATION_LIMIT
 
 
 def minimize_columns(

@@ -20,12 +20,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from sherd.arrays import Floats, Ints
-from sherd.energy.batched_energy import BatchedEnergy
-from sherd.energy.convergence import Convergence
+from sherd.energy.batched_energy import BatchedEnergy, subspace_phase_fields
 from sherd.energy.descent import minimize_columns
-from sherd.energy.logistic import LogisticOptions, checked_starts, descent_status, distinct_columns
-from sherd.energy.mumford_shah import EnergyTerms, energy
-from sherd.energy.phase_field import subspace_phase_fields
+from sherd.energy.logistic import (
+    LogisticOptions,
+    LogisticRegion,
+    checked_starts,
+    distinct_columns,
+)
+from sherd.energy.mumford_shah import energy
 from sherd.energy.problem import RegionProblem
 from sherd.spectral.basis import EigenBasis
 
@@ -40,43 +43,22 @@ UPDATES, GROWTH = 4, 10.0
 
 
 @dataclass(frozen=True, eq=False)
-class ExponentialRegion:
-    """One local minimum.
+class ExponentialRegion(LogisticRegion):
+    """One local minimum, as :class:`LogisticRegion` describes it, and what the exponential adds.
+
+    Here `membership` is clipped at 1, `membership_coefficients` are without the shift, and
+    `gradient_norm` is that of the augmented energy.
 
     Attributes
     ----------
-    membership
-        u, (n,), clipped at 1; see `bound_violation`.
-    phase_field
-        rho, (n,) in [0, 1].
-    membership_coefficients
-        alpha, (k,), of eigenvectors times sqrt(area), without the shift c.
     shift
         c.
     bound_violation
         Largest `u - 1` before clipping.
-    energy
-        By terms.
-    status
-        Why the last round stopped.
-    evaluations
-        Energy evaluations spent.
-    gradient_norm
-        Of the augmented energy in alpha.
-    start
-        Row of `initial` that led here.
     """
 
-    membership: Floats
-    phase_field: Floats
-    membership_coefficients: Floats
     shift: float
     bound_violation: float
-    energy: EnergyTerms
-    status: Convergence
-    evaluations: int
-    gradient_norm: float
-    start: int
 
 
 def exponential_regions(
@@ -124,7 +106,7 @@ def exponential_regions(
             shift=float(search.shifts(points)[column]),
             bound_violation=max(0.0, float(u[:, column].max()) - 1.0),
             energy=energy(problem, clipped[:, column], fields[:, column]),
-            status=descent_status(found, column),
+            status=found.status(column),
             evaluations=int(used[column]),
             gradient_norm=float(found.gradient_norms[column]),
             start=int(every[column]),

@@ -15,7 +15,7 @@ Examples
 --------
 >>> import numpy as np
 >>> from sherd.mesh.triangle_mesh import TriangleMesh
->>> from sherd.energy.mumford_shah import region_problem
+>>> from sherd.energy.problem import region_problem
 >>> from sherd.spectral.basis import eigenbasis
 >>> grid = np.stack(np.meshgrid(np.arange(12.0), np.arange(12.0)), -1).reshape(-1, 2)
 >>> vertices = np.column_stack([grid, np.zeros(144)])
@@ -51,11 +51,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from sherd.arrays import Floats, Ints
-from sherd.energy.batched_energy import BatchedEnergy
+from sherd.energy.batched_energy import BatchedEnergy, subspace_phase_fields
 from sherd.energy.convergence import Convergence
 from sherd.energy.descent import ColumnMinima, Objective, minimize_columns
 from sherd.energy.mumford_shah import EnergyTerms, energy
-from sherd.energy.phase_field import subspace_phase_fields
 from sherd.energy.problem import RegionProblem
 from sherd.errors import InputError, OptionError
 from sherd.spectral.basis import EigenBasis
@@ -65,7 +64,6 @@ __all__ = [
     "LogisticRegion",
     "area_shift",
     "checked_starts",
-    "descent_status",
     "distinct_columns",
     "logistic_regions",
 ]
@@ -215,7 +213,7 @@ def logistic_regions(
             phase_field=fields[:, column].copy(),
             membership_coefficients=polish.with_shift(points, column),
             energy=energy(problem, memberships[:, column], fields[:, column]),
-            status=descent_status(found, column),
+            status=found.status(column),
             evaluations=int(used[column]),
             gradient_norm=float(found.gradient_norms[column]),
             start=int(chosen[column]),
@@ -330,13 +328,6 @@ def distinct_columns(problem: RegionProblem, memberships: NDArray[Any], values: 
         if not same:
             kept.append(int(column))
     return np.array(kept, dtype=np.int64)
-
-
-def descent_status(found: ColumnMinima, column: int) -> Convergence:
-    """Why the descent of a column ended."""
-    if found.converged[column]:
-        return Convergence.CONVERGED
-    return Convergence.STALLED if found.stalled[column] else Convergence.ITERATION_LIMIT
 
 
 def checked_starts(initial: ArrayLike, count: int) -> Floats:

@@ -23,6 +23,7 @@ exactly and an alternation over u and rho descends.
 Examples
 --------
 >>> import numpy as np
+>>> from sherd.energy.problem import region_problem
 >>> from sherd.mesh.triangle_mesh import TriangleMesh
 >>> square = TriangleMesh([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], [[0, 1, 2], [0, 2, 3]])
 >>> descriptors = np.eye(4)
@@ -49,12 +50,10 @@ import numpy as np
 from scipy import sparse
 
 from sherd.arrays import Floats
-from sherd.energy.problem import EnergyWeights, RegionProblem, region_problem
+from sherd.energy.problem import RegionProblem
 
 __all__ = [
     "EnergyTerms",
-    "EnergyWeights",
-    "RegionProblem",
     "boundary_term",
     "data_gradient",
     "data_term",
@@ -64,7 +63,6 @@ __all__ = [
     "membership_gradient",
     "phase_gradient",
     "phase_quadratic",
-    "region_problem",
     "smoothness_matrix",
     "smoothness_term",
 ]
@@ -159,7 +157,7 @@ def membership_gradient(problem: RegionProblem, u: Floats, rho: Floats) -> Float
     smooth = smoothness_matrix(problem, rho) @ u
     slope: Floats = data_gradient(problem, u)
     slope += weights.regularity * weights.smoothness * smooth
-    slope -= problem.vertex_areas * problem.evidence / problem.part_area
+    slope -= problem.weighted_evidence
     return slope
 
 

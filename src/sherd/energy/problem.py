@@ -126,6 +126,11 @@ class RegionProblem:
         linear: Floats = self.weighted_descriptors @ self.part_integral
         return linear
 
+    @cached_property
+    def weighted_evidence(self) -> Floats:
+        """A evidence over s, (n,): times u it is what the evidence takes off the energy."""
+        return self.vertex_areas * self.evidence / self.part_area
+
     def with_weights(self, weights: EnergyWeights) -> RegionProblem:
         """The same question under other weights; shares every array."""
         return replace(self, weights=weights)

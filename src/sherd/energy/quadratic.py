@@ -1,15 +1,16 @@
-"""The quadratic program in the subspace, and a solution that proves itself."""
+"""The quadratic programs in the subspace and over all vertices; a solution proves itself."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 import numpy as np
+from scipy import sparse
 
 from sherd.arrays import Floats
 from sherd.energy.convergence import Convergence
 
-__all__ = ["BoundedQuadratic", "QuadraticSolution", "certified"]
+__all__ = ["BoundedQuadratic", "QuadraticSolution", "StructuredQuadratic", "certified"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,6 +44,64 @@ class BoundedQuadratic:
     def value(self, point: Floats) -> float:
         """Objective at `point` (k,)."""
         return float(0.5 * point @ (self.matrix @ point) + self.linear @ point)
+
+    def slope(self, point: Floats) -> Floats:
+        """Gradient (k,) of the objective."""
+        product: Floats = self.matrix @ point
+        return product + self.linear
+
+    def row_values(self, point: Floats) -> Floats:
+        """`rows x`, (n,), what the bounds hold."""
+        values: Floats = self.rows @ point
+        return values
+
+    def row_slope(self, multipliers: Floats) -> Floats:
+        """`rows' multipliers`, (k,), for multipliers (n,) most of which are 0."""
+        active = np.flatnonzero(multipliers)
+        slope: Floats = self.rows[active].T @ multipliers[active]
+        return slope
+
+
+@dataclass(frozen=True, eq=False)
+class StructuredQuadratic:
+    """Minimize `u' (S + V V') u / 2 + h.u` subject to `0 <= u <= 1` and, if given, `a.u = s`.
+
+    Attributes
+    ----------
+    sparse_matrix
+        S, (n, n) sparse, symmetric positive definite.
+    low_rank
+        V, (n, d); d may be 0.
+    linear
+        h, (n,).
+    equality
+        a, (n,) positive, or None.
+    target
+        s; unused without `equality`.
+    """
+
+    sparse_matrix: sparse.csr_array
+    low_rank: Floats
+    linear: Floats
+    equality: Floats | None = None
+    target: float = 0.0
+
+    def value(self, point: Floats) -> float:
+        """Objective at `point` (n,)."""
+        return float(0.5 * point @ (self.slope(point) + self.linear))
+
+    def slope(self, point: Floats) -> Floats:
+        """Gradient (n,) of the objective."""
+        product: Floats = self.sparse_matrix @ point + self.low_rank @ (self.low_rank.T @ point)
+        return product + self.linear
+
+    def row_values(self, point: Floats) -> Floats:
+        """The point itself: each entry is bounded."""
+        return point
+
+    def row_slope(self, multipliers: Floats) -> Floats:
+        """The multipliers themselves."""
+        return multipliers
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,7 +148,7 @@ class QuadraticSolution:
 
 
 def certified(
-    problem: BoundedQuadratic,
+    problem: BoundedQuadratic | StructuredQuadratic,
     point: Floats,
     multipliers: Floats,
     *,
@@ -107,10 +166,9 @@ def certified(
         (k,) and (n,), the solver's. The multiplier of the equality is the one that leaves the
         smallest residual, by least squares.
     """
-    values = problem.rows @ point
-    active = np.flatnonzero(multipliers)
-    stationarity = problem.matrix @ point + problem.linear
-    stationarity = stationarity + problem.rows[active].T @ multipliers[active]
+    values = problem.row_values(point)
+    slope = problem.slope(point)
+    stationarity = slope + problem.row_slope(multipliers)
     primal = max(float(values.max() - 1.0), float(-values.min()), 0.0)
     nu, offset = np.nan, 0.0
     if problem.equality is not None:
@@ -120,8 +178,7 @@ def certified(
         primal = max(primal, abs(float(e @ point) - problem.target) / abs(problem.target))
         offset = nu * problem.target
     objective = problem.value(point)
-    bound = float(np.maximum(multipliers, 0.0).sum()) + offset
-    gap = float(point @ (problem.matrix @ point) + problem.linear @ point) + bound
+    gap = float(point @ slope) + float(np.maximum(multipliers, 0.0).sum()) + offset
     return QuadraticSolution(
         point=point,
         values=values,

@@ -283,8 +283,7 @@ class _Lagrangian:
         below = np.maximum(0.0, self._lower - values)
         weighted = problem.row_weights
         value = problem.value(point) + 0.5 * mu * float(weighted @ (above**2 + below**2))
-        slope = problem.matrix @ point + problem.linear
-        slope = slope + mu * (problem.rows.T @ (weighted * (above - below)))
+        slope = problem.slope(point) + mu * (problem.rows.T @ (weighted * (above - below)))
         if problem.equality is not None:
             excess = float(problem.equality @ point) - problem.target
             mu_equality = self._mu_equality()

@@ -1,8 +1,6 @@
-"""All-vertex quadratic programs with a sparse plus low-rank matrix, never formed densely.
+"""Solvers of all-vertex quadratic programs, whose matrix `S + V V'` is never formed densely.
 
-Minimize `u' (S + V V') u / 2 + h.u` subject to `a.u = s` (if given) and `0 <= u <= 1`, with S
-sparse (n, n) and V (n, d). Two solvers share one kernel, the Woodbury solution of a bordered
-system:
+Both share one kernel, the Woodbury solution of a bordered system:
 
 - a primal-dual active set, exact when its sets repeat, warm-started along a continuation that
   lowers a multiple of S;
@@ -11,7 +9,7 @@ system:
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from scipy import sparse
@@ -19,9 +17,9 @@ from scipy.sparse.linalg import splu
 
 from sherd.arrays import Floats, Ints
 from sherd.energy.convergence import Convergence
-from sherd.energy.quadratic import QuadraticSolution
+from sherd.energy.quadratic import QuadraticSolution, StructuredQuadratic, certified
 
-__all__ = ["StructuredQuadratic", "active_sets", "interior_point", "solve_structured"]
+__all__ = ["active_sets", "interior_point", "solve_structured"]
 
 
 # A set that has not settled after this many changes is cycling: settled runs took 4 to 15.
@@ -31,40 +29,6 @@ MOST_SET_CHANGES = 30
 CONTINUATION = (100.0, 30.0, 10.0, 3.0, 1.0)
 # Distance kept from the boundary of the feasible set in an interior point step.
 STEP_BACK = 0.995
-
-
-@dataclass(frozen=True, eq=False)
-class StructuredQuadratic:
-    """The program of the module docstring.
-
-    Attributes
-    ----------
-    sparse_matrix
-        S, (n, n) sparse, symmetric positive definite.
-    low_rank
-        V, (n, d); d may be 0.
-    linear
-        h, (n,).
-    equality
-        a, (n,) positive, or None.
-    target
-        s; unused without `equality`.
-    """
-
-    sparse_matrix: sparse.csr_array
-    low_rank: Floats
-    linear: Floats
-    equality: Floats | None = None
-    target: float = 0.0
-
-    def slope(self, u: Floats) -> Floats:
-        """Gradient (n,) of the objective."""
-        product: Floats = self.sparse_matrix @ u + self.low_rank @ (self.low_rank.T @ u)
-        return product + self.linear
-
-    def value(self, u: Floats) -> float:
-        """Objective."""
-        return float(0.5 * u @ (self.slope(u) + self.linear))
 
 
 def solve_structured(
@@ -136,7 +100,8 @@ def active_sets(
         if not (next_side == 0).any():
             break
         side = next_side
-    return _certified(problem, u, y, iterations=spent, status=status)
+    at_bounds = int(np.count_nonzero(y))
+    return certified(problem, u, y, iterations=spent, rows_used=at_bounds, status=status)
 
 
 def interior_point(
@@ -190,7 +155,9 @@ def interior_point(
         step = min(1.0, STEP_BACK * primal), min(1.0, STEP_BACK * dual)
         u, nu = u + step[0] * du, nu + step[1] * dnu
         low, high = low + step[1] * dlow, high + step[1] * dhigh
-    return _certified(problem, u, high - low, iterations=spent, status=status)
+    y = high - low
+    at_bounds = int(np.count_nonzero(y))
+    return certified(problem, u, y, iterations=spent, rows_used=at_bounds, status=status)
 
 
 class _Bordered:
@@ -261,32 +228,3 @@ def _longest(values: Floats, change: Floats) -> float:
     if not falling.any():
         return 1.0 / STEP_BACK
     return min(1.0 / STEP_BACK, float((-values[falling] / change[falling]).min()))
-
-
-def _certified(
-    problem: StructuredQuadratic, u: Floats, y: Floats, *, iterations: int, status: Convergence
-) -> QuadraticSolution:
-    stationarity = problem.slope(u) + y
-    nu, offset = np.nan, 0.0
-    primal = max(float(u.max()) - 1.0, -float(u.min()), 0.0)
-    if problem.equality is not None:
-        a = problem.equality
-        nu = -float(a @ stationarity) / float(a @ a)
-        stationarity = stationarity + nu * a
-        offset = nu * problem.target
-        primal = max(primal, abs(float(a @ u) - problem.target) / abs(problem.target))
-    objective = problem.value(u)
-    gap = float(u @ problem.slope(u)) + float(np.maximum(y, 0).sum()) + offset
-    return QuadraticSolution(
-        point=u,
-        values=u,
-        multipliers=y,
-        equality_multiplier=nu,
-        objective=objective,
-        primal_residual=primal,
-        dual_residual=float(np.abs(stationarity).max() / np.abs(problem.linear).max()),
-        duality_gap=abs(gap) / (1.0 + abs(objective)),
-        iterations=iterations,
-        rows_used=int(np.count_nonzero(y)),
-        status=status,
-    )

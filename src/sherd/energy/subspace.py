@@ -3,31 +3,19 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
 from sherd.arrays import Floats
-from sherd.energy.convergence import Convergence
-from sherd.energy.mumford_shah import (
-    EnergyTerms,
-    energy,
-    phase_quadratic,
-    smoothness_matrix,
-)
+from sherd.energy.alternation import AlternatedRegion, alternate
+from sherd.energy.mumford_shah import phase_quadratic, smoothness_matrix
 from sherd.energy.problem import RegionProblem
 from sherd.energy.quadratic import BoundedQuadratic, QuadraticSolution
 from sherd.energy.solvers import solver_named
-from sherd.errors import InputError, OptionError
+from sherd.errors import InputError
 from sherd.spectral.basis import EigenBasis
 
-__all__ = [
-    "SubspaceRegion",
-    "basis_rows",
-    "membership_quadratic",
-    "phase_field_quadratic",
-    "subspace_region",
-]
+__all__ = ["basis_rows", "membership_quadratic", "phase_field_quadratic", "subspace_region"]
 
 
 # Relative to the mean curvature, so that a data term of rank d < k with little regularity still
@@ -37,42 +25,6 @@ __all__ = [
 RIDGE = 1e-7
 
 
-@dataclass(frozen=True, eq=False)
-class SubspaceRegion:
-    """What Algorithm 1 returns, with its history.
-
-    Attributes
-    ----------
-    membership
-        u, (n,), clipped to [0, 1]; the solver's own violation is in `membership_solution`.
-    phase_field
-        rho, (n,), clipped to [0, 1].
-    membership_coefficients, phase_coefficients
-        alpha, beta, (k,), of eigenvectors times sqrt(area).
-    energy
-        By terms, of the clipped functions.
-    history
-        Total energy after every membership step and every phase step, unclipped functions.
-    iterations
-        Alternations done.
-    status
-        CONVERGED when an alternation lowered the energy by less than the tolerance.
-    membership_solution, phase_solution
-        The last solutions of the two steps.
-    """
-
-    membership: Floats
-    phase_field: Floats
-    membership_coefficients: Floats
-    phase_coefficients: Floats
-    energy: EnergyTerms
-    history: tuple[float, ...]
-    iterations: int
-    status: Convergence
-    membership_solution: QuadraticSolution
-    phase_solution: QuadraticSolution
-
-
 def subspace_region(
     problem: RegionProblem,
     basis: EigenBasis,
@@ -80,11 +32,8 @@ def subspace_region(
     solver: str = "active-set",
     iterations: int = 10,
     tolerance: float = 1e-4,
-) -> SubspaceRegion:
+) -> AlternatedRegion:
     """Membership and phase field by Algorithm 1 of the paper.
-
-    Alternates the two convex programs, starting with rho = 1, until the energy falls by less
-    than `tolerance` of itself.
 
     Parameters
     ----------
@@ -94,10 +43,8 @@ def subspace_region(
         First k eigenpairs of the same mesh.
     solver
         `"quadratic-program"`, `"augmented-lagrangian"` or `"active-set"`.
-    iterations
-        Alternations at most.
-    tolerance
-        Relative decrease at which to stop.
+    iterations, tolerance
+        When to stop, as in :func:`sherd.energy.alternation.alternate`.
 
     Raises
     ------
@@ -107,38 +54,19 @@ def subspace_region(
         If the basis belongs to another mesh.
     """
     solve = solver_named(solver)
-    if iterations < 1:
-        raise OptionError(f"iterations is {iterations}, but at least 1 is needed")
-    if not tolerance >= 0:
-        raise OptionError(f"tolerance is {tolerance}, but a number >= 0 is needed")
     rows = basis_rows(problem, basis)
     data = rows.T @ problem.weighted_descriptors
-    rho = np.ones(problem.vertex_count)
-    history: list[float] = []
-    status = Convergence.ITERATION_LIMIT
-    for spent in range(1, iterations + 1):
-        membership = solve(membership_quadratic(problem, rows, rho, data=data))
-        u = membership.values
-        history.append(energy(problem, u, rho).total)
-        phase = solve(phase_field_quadratic(problem, rows, u))
-        rho = phase.values
-        history.append(energy(problem, u, rho).total)
-        if spent > 1 and history[-3] - history[-1] <= tolerance * abs(history[-3]):
-            status = Convergence.CONVERGED
-            break
-    failed = [s for s in (membership, phase) if s.status is not Convergence.CONVERGED]
-    u, rho = np.clip(u, 0.0, 1.0), np.clip(rho, 0.0, 1.0)
-    return SubspaceRegion(
-        membership=u,
-        phase_field=rho,
-        membership_coefficients=membership.point,
-        phase_coefficients=phase.point,
-        energy=energy(problem, u, rho),
-        history=tuple(history),
-        iterations=spent,
-        status=failed[0].status if failed else status,
-        membership_solution=membership,
-        phase_solution=phase,
+
+    def membership_step(rho: Floats, _: Floats | None) -> tuple[Floats, QuadraticSolution]:
+        solution = solve(membership_quadratic(problem, rows, rho, data=data))
+        return solution.values, solution
+
+    def phase_step(u: Floats, _: Floats | None) -> tuple[Floats, QuadraticSolution]:
+        solution = solve(phase_field_quadratic(problem, rows, u))
+        return solution.values, solution
+
+    return alternate(
+        problem, membership_step, phase_step, iterations=iterations, tolerance=tolerance
     )
 
 
@@ -163,10 +91,9 @@ def membership_quadratic(
         data = rows.T @ problem.weighted_descriptors
     factor = weights.regularity * weights.smoothness
     matrix = 2.0 * (data @ data.T) + factor * (rows.T @ (smoothness_matrix(problem, rho) @ rows))
-    gain = problem.vertex_areas * problem.evidence / problem.part_area
     return BoundedQuadratic(
         matrix=_ridged(matrix),
-        linear=-2.0 * (data @ problem.part_integral) - rows.T @ gain,
+        linear=-2.0 * (data @ problem.part_integral) - rows.T @ problem.weighted_evidence,
         rows=rows,
         row_weights=problem.vertex_areas / problem.area,
         equality=rows.T @ problem.vertex_areas,

@@ -27,8 +27,7 @@ from sherd.benchmark.paper.scenes import (
 )
 from sherd.energy.automatic import REGULARITIES, chosen_regularity
 from sherd.energy.logistic import logistic_regions
-from sherd.energy.mumford_shah import region_problem
-from sherd.energy.problem import EnergyWeights, RegionProblem
+from sherd.energy.problem import EnergyWeights, RegionProblem, region_problem
 from sherd.energy.subspace import subspace_region
 from sherd.region.integral_matching import ball_starts
 from sherd.region.locate import locate

@@ -27,8 +27,7 @@ from sherd.benchmark.paper.witness import (
 )
 from sherd.energy.all_vertices import full_membership_quadratic
 from sherd.energy.logistic import LogisticOptions, logistic_regions
-from sherd.energy.mumford_shah import region_problem
-from sherd.energy.problem import EnergyWeights, RegionProblem
+from sherd.energy.problem import EnergyWeights, RegionProblem, region_problem
 from sherd.energy.quadratic import BoundedQuadratic
 from sherd.energy.solvers import SOLVERS, active_set, augmented_lagrangian
 from sherd.energy.structured import interior_point, solve_structured

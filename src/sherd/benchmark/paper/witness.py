@@ -6,8 +6,7 @@ import numpy as np
 from scipy import sparse
 
 from sherd.arrays import Floats
-from sherd.energy.quadratic import BoundedQuadratic
-from sherd.energy.structured import StructuredQuadratic
+from sherd.energy.quadratic import BoundedQuadratic, StructuredQuadratic
 
 __all__ = ["clarabel_dense", "piqp_all_vertex", "piqp_dense", "witnesses_installed"]
 
