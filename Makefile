@@ -2,7 +2,7 @@
 PYTHON ?= python3
 BIN := .venv/bin
 
-.PHONY: demo test check docs pictures viewer clean
+.PHONY: demo test check docs pictures viewer constraints clean
 
 demo: .venv/library  ## match a generated animal's fragment with the whole; needs no files
 	$(BIN)/sherd demo -o out/demo
@@ -24,6 +24,14 @@ pictures: .venv/development  ## draw docs/images anew from the generated animal
 
 viewer:  ## rebuild the page's script from viewer/ (needs Node.js)
 	cd viewer && npm ci && npm run build
+
+constraints:  ## pin anew, to the newest versions, what a full installation needs; then `make test`
+	rm -rf build/constraints
+	$(PYTHON) -m venv build/constraints
+	build/constraints/bin/python -m pip install --quiet --disable-pip-version-check ".[plots,witness,development,docs]"
+	{ grep '^#' constraints.txt; build/constraints/bin/python -m pip freeze --exclude sherd; } > build/constraints.txt
+	mv build/constraints.txt constraints.txt
+	rm -rf build/constraints
 
 clean:
 	rm -rf .venv out build dist

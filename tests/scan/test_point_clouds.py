@@ -40,7 +40,8 @@ def test_points_are_read_in_order_and_read_mesh_refuses_them(tmp_path, name):
     assert cloud.name == name
     assert cloud.normals is None
     np.testing.assert_allclose(cloud.points, POINTS)
-    with pytest.raises(InputError, match=r"7 points and no faces|unknown suffix '\.xyz'"):
+    advice = r"7 points and no faces.* sherd\.surface_from_points\(sherd\.read_scan\(path\)\)"
+    with pytest.raises(InputError, match=rf"{advice}|unknown suffix '\.xyz'"):
         read_mesh(path)
 
 

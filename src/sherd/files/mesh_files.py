@@ -155,8 +155,9 @@ def _without_faces(vertex_count: int | None) -> str:
     if not vertex_count:
         return "holds no faces; export the mesh again"
     return (
-        f"holds {vertex_count} points and no faces; give a triangle mesh (MeshLab makes a surface "
-        "from points: Filters > Remeshing > Surface Reconstruction)"
+        f"holds {vertex_count} points and no faces; export it with faces, or give it as the part, "
+        "which may be points only (.xyz, .ply, .obj or .off; in Python: "
+        "sherd.surface_from_points(sherd.read_scan(path)))"
     )
 
 

@@ -94,8 +94,8 @@ def checked_field(name: str, values: ArrayLike, vertex_count: int) -> Floats:
 
 
 _NO_FACES = (
-    "there are no faces, only points; give a triangle mesh (a surface can be made from points "
-    "in MeshLab: Filters > Remeshing > Surface Reconstruction)"
+    "there are no faces, only points; give triangles, or make them over the points of a part by "
+    "sherd.surface_from_points(sherd.PointCloud(points))"
 )
 
 
