@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 import numpy as np
 
-from sherd.benchmark.metrics import GroundTruthDistances, region_overlap
+from sherd.benchmark.metrics import region_overlap
 from sherd.cli.inputs import prepared_mesh
 from sherd.cli.matching import STAGE_COUNT, match_and_write, match_summary
 from sherd.files.mesh_files import write_mesh
@@ -15,6 +15,7 @@ from sherd.match import MatchOptions
 from sherd.output import Stages
 from sherd.shapes.creature import creature, landmarks
 from sherd.shapes.fragment import Fragment, cut_by_ball, moved, remeshed, whole
+from sherd.spectral.surface_distances import SurfaceDistances
 
 __all__ = ["demo_command", "demo_fragment"]
 
@@ -48,7 +49,7 @@ def demo_command(output: Path, *, quiet: bool) -> int:
     if quiet:
         return 0
     click.echo(match_summary(result, document, output))
-    distances = GroundTruthDistances(fragment.full)
+    distances = SurfaceDistances(fragment.full)
     error = 100 * distances.between(fragment.truth, result.point_map.points).mean()
     common = region_overlap(fragment.full, result.region.mask, fragment.region)
     click.echo(

@@ -9,7 +9,6 @@ from typing import Any
 import click
 import numpy as np
 
-from sherd.benchmark.metrics import GroundTruthDistances
 from sherd.cli.exits import NOT_CONVERGED
 from sherd.cli.inputs import (
     PreparedMesh,
@@ -26,6 +25,7 @@ from sherd.match import MatchOptions, MatchResult, MatchStatus, match
 from sherd.output import Stages
 from sherd.report.exports import MAP_EXPORTS, SHAPE_EXPORTS
 from sherd.report.match_report import write_match_report
+from sherd.spectral.surface_distances import SurfaceDistances
 from sherd.template import Template
 
 __all__ = ["match_and_write", "match_command", "match_summary"]
@@ -132,7 +132,7 @@ def match_and_write(
     with stages("files"):
         errors = None
         if true_points is not None:
-            measure = GroundTruthDistances(full.original)
+            measure = SurfaceDistances(full.original)
             errors = measure.between(true_points, result.point_map.points)
         document = write_match_report(
             result,
