@@ -12,11 +12,11 @@ from pathlib import Path
 from PIL import Image
 
 import sherd
-from sherd.benchmark.metrics import GroundTruthDistances
 from sherd.cli.demo import demo_fragment
 from sherd.report.match_report import match_exhibit, match_result, write_match_report
 from sherd.report.picture import picture, stage
 from sherd.report.region_report import region_exhibit
+from sherd.spectral.surface_distances import SurfaceDistances
 
 IMAGES = Path(__file__).parent / "images"
 WIDTH = 1100
@@ -57,7 +57,7 @@ def main() -> None:
     IMAGES.mkdir(exist_ok=True)
     fragment = demo_fragment()
     matched = sherd.match(fragment.full, fragment.mesh)
-    errors = GroundTruthDistances(fragment.full).between(fragment.truth, matched.point_map.points)
+    errors = SurfaceDistances(fragment.full).between(fragment.truth, matched.point_map.points)
     write_match_report(matched, output / "match")
     write_match_report(matched, output / "truth", errors=errors)
     located = sherd.locate(fragment.full, fragment.mesh)

@@ -11,13 +11,16 @@ import pytest
 from click.testing import CliRunner
 from scipy.spatial import cKDTree
 
-from sherd.benchmark import match_row
-from sherd.benchmark.faust import faust_benchmark, faust_pairs
+from sherd.benchmark import match_measurement
+from sherd.benchmark.faust import faust_pairs, faust_set
 from sherd.benchmark.landmark_truth import landmark_map
-from sherd.benchmark.match_row import BenchmarkSettings, MatchRow, measured
+from sherd.benchmark.match_benchmark import match_benchmark
+from sherd.benchmark.match_measurement import measured
+from sherd.benchmark.match_row import MatchRow
 from sherd.benchmark.match_summary import summary, summary_table
+from sherd.benchmark.pairs import BenchmarkSettings
 from sherd.benchmark.random_cuts import CUTS, random_cut
-from sherd.benchmark.smal import smal_benchmark, smal_pairs
+from sherd.benchmark.smal import smal_pairs, smal_set
 from sherd.cli.main import main
 from sherd.errors import InputError, MeshFileError, OptionError
 from sherd.files.mesh_files import write_mesh
@@ -145,9 +148,8 @@ def test_faust_from_the_command_line(persons, tmp_path) -> None:
     done = CliRunner().invoke(main, [str(word) for word in arguments], standalone_mode=False)
     assert done.exception is None
     assert f"\n{name} " in done.output
-    document = faust_benchmark(
-        persons, output=tmp_path, settings=BenchmarkSettings(rotate=True), only=(name,)
-    )
+    pair_set = faust_set(persons, BenchmarkSettings(rotate=True))
+    document = match_benchmark(pair_set, tmp_path, only=(name,))
     (row,) = document["rows"]
     assert row["mean"] < 0.03
     assert row["mirror_forgiven"] == row["mean"]
@@ -211,7 +213,7 @@ def test_only_vertices_with_a_place_count_as_errors(animals, monkeypatch) -> Non
         scores={"best": 0.8, "mirrored twin": 0.2},
         timings={"anchors": 1.0},
     )
-    monkeypatch.setattr(match_row, "match", lambda *_: answer)
+    monkeypatch.setattr(match_measurement, "match", lambda *_: answer)
     row = measured(source, BenchmarkSettings())
     assert (row.mean, row.near, row.coverage, row.recognized, row.ranking) == (0, 1, 1, 1, 1)
     assert row.present == pair.present.mean()
@@ -230,7 +232,7 @@ def test_a_part_larger_than_the_full_shape_is_refused_and_counted(animals, tmp_p
     pair = source.load()
     large = pair.part.with_vertices(3 * pair.part.vertices)
     _animal_parts(tmp_path, large, pair.full, table)
-    document = smal_benchmark(tmp_path, output=tmp_path / "out")
+    document = match_benchmark(smal_set(tmp_path), tmp_path / "out")
     (row,) = document["rows"]
     assert (row["status"], row["mean"], row["iou"]) == ("REFUSED", None, None)
     assert document["together"]["refused"] == 1
@@ -238,7 +240,7 @@ def test_a_part_larger_than_the_full_shape_is_refused_and_counted(animals, tmp_p
     again = MatchRow.from_plain(row)
     assert not again.answered
     assert np.isnan(again.mean)
-    assert summary([again], BenchmarkSettings(), {})["rows"] == [row]
+    assert summary(smal_set(tmp_path), [again])["rows"] == [row]
 
 
 def test_damaged_maps_are_refused(animals, tmp_path) -> None:
@@ -266,7 +268,7 @@ def test_the_method_is_told_no_more_than_it_should_be(animals, monkeypatch) -> N
         asked.append((part, options))
         raise RuntimeError
 
-    monkeypatch.setattr(match_row, "match", ask)
+    monkeypatch.setattr(match_measurement, "match", ask)
     for settings in (
         BenchmarkSettings(),
         BenchmarkSettings(rotate=True),

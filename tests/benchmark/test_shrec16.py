@@ -10,20 +10,19 @@ import numpy as np
 import pytest
 import trimesh
 
-from sherd.benchmark import match_benchmark
-from sherd.benchmark.match_page import write_benchmark_page
-from sherd.benchmark.match_row import BenchmarkSettings
+from sherd.benchmark import match_benchmark as runner_of_match
+from sherd.benchmark.match_benchmark import match_benchmark
 from sherd.benchmark.match_summary import summary_table
 from sherd.benchmark.metrics import (
-    GroundTruthDistances,
     cumulative_curve,
     region_overlap,
     vertex_mask,
 )
-from sherd.benchmark.shrec16 import shrec16_benchmark
+from sherd.benchmark.pairs import BenchmarkSettings
+from sherd.benchmark.shrec16 import shrec16_set
 from sherd.errors import OptionError
 from sherd.files.mesh_files import write_mesh
-from sherd.mesh.surface_points import SurfacePoints, closest_points, points_at_vertices
+from sherd.mesh.surface_points import SurfacePoints, points_at_vertices
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.shapes.creature import creature
 from sherd.shapes.fragment import Fragment, cut_by_ball, whole
@@ -33,20 +32,6 @@ from sherd.shapes.fragment import Fragment, cut_by_ball, whole
 def sphere() -> TriangleMesh:
     ball = trimesh.creation.icosphere(subdivisions=4)
     return TriangleMesh(ball.vertices, ball.faces)
-
-
-def test_distances_are_great_circles_and_subvertex(sphere: TriangleMesh) -> None:
-    rng = np.random.default_rng(0)
-    directions = rng.normal(size=(40, 2, 3))
-    directions /= np.linalg.norm(directions, axis=2, keepdims=True)
-    directions[:10, 1] = directions[:10, 0] + 0.02 * directions[:10, 1]
-    directions /= np.linalg.norm(directions, axis=2, keepdims=True)
-    first, second = (closest_points(sphere, directions[:, k]) for k in range(2))
-    found = GroundTruthDistances(sphere).between(first, second) * sphere.length
-    angle = np.arccos(np.clip((directions[:, 0] * directions[:, 1]).sum(axis=1), -1, 1))
-    assert np.abs(found - angle).max() < 0.05
-    assert np.abs(found - angle)[:10].max() < 0.001
-    assert (GroundTruthDistances(sphere).between(first, first) == 0).all()
 
 
 def test_overlap_and_curve_by_hand(sphere: TriangleMesh) -> None:
@@ -85,8 +70,8 @@ def _write_truth(path: Path, part: Fragment) -> None:
 def test_a_run_measures_writes_and_resumes(
     folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    settings = BenchmarkSettings(rotate=True)
-    document = shrec16_benchmark(folder, output=tmp_path, kinds=("cuts",), settings=settings)
+    pairs = shrec16_set(folder, BenchmarkSettings(rotate=True), kinds=("cuts",))
+    document = match_benchmark(pairs, tmp_path)
     (row,) = document["rows"]
     assert row["pair"] == "cuts_animal_shape_1"
     assert row["mean"] < 0.02
@@ -102,29 +87,28 @@ def test_a_run_measures_writes_and_resumes(
     assert "cuts: 1 pairs" in summary_table(document)
     assert json.loads((tmp_path / "bench.json").read_text()) == document
 
-    def refuse(*_: object) -> None:
+    def refuse(*_: object, **__: object) -> None:
         raise AssertionError("measured again")
 
-    monkeypatch.setattr(match_benchmark, "measured", refuse)
-    again = shrec16_benchmark(folder, output=tmp_path, kinds=("cuts",), settings=settings)
+    monkeypatch.setattr(runner_of_match, "measured", refuse)
+    again = match_benchmark(pairs, tmp_path)
     assert again == document
     # other settings are another measurement
     with pytest.raises(AssertionError, match="measured again"):
-        shrec16_benchmark(folder, output=tmp_path, kinds=("cuts",))
+        match_benchmark(shrec16_set(folder, kinds=("cuts",)), tmp_path)
     _page_shows(document, tmp_path)
 
 
 def test_parts_are_measured_as_points_alone(folder: Path, tmp_path: Path) -> None:
     settings = BenchmarkSettings(rotate=True, points=True)
-    document = shrec16_benchmark(folder, output=tmp_path, kinds=("cuts",), settings=settings)
+    pairs = shrec16_set(folder, settings, kinds=("cuts",))
+    document = match_benchmark(pairs, tmp_path)
     assert document["rows"][0]["mean"] < 0.03
     assert document["rows"][0]["coverage"] > 0.9
-    write_benchmark_page(document, tmp_path)
     assert "parts as their points alone" in (tmp_path / "bench.html").read_text(encoding="utf-8")
 
 
 def _page_shows(document: dict[str, Any], output: Path) -> None:
-    write_benchmark_page(document, output)
     page = (output / "bench.html").read_text(encoding="utf-8")
     for words in ("region IoU (dense)", "region IoU (vertices hit)", "Seconds by stage", "anchors"):
         assert words in page
@@ -135,6 +119,6 @@ def _page_shows(document: dict[str, Any], output: Path) -> None:
 
 def test_wrong_settings_are_refused(folder: Path, tmp_path: Path) -> None:
     with pytest.raises(OptionError, match="kinds"):
-        shrec16_benchmark(folder, output=tmp_path, kinds=("scans",))
+        shrec16_set(folder, kinds=("scans",))
     with pytest.raises(OptionError, match="jobs is 0"):
-        shrec16_benchmark(folder, output=tmp_path, jobs=0, kinds=("cuts",))
+        match_benchmark(shrec16_set(folder, kinds=("cuts",)), tmp_path, jobs=0)

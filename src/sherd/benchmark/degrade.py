@@ -6,25 +6,20 @@ first level of each kind is the clean part. Everything has exact ground truth.
 
 from __future__ import annotations
 
-import json
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from sherd._version import __version__
-from sherd.benchmark.metrics import GroundTruthDistances
+from sherd.benchmark.metrics import evenly_spread
 from sherd.benchmark.paper.drawing import check_plotting, draw_curves
-from sherd.either_side import match_either_side
-from sherd.match import MatchResult, match
+from sherd.benchmark.row_file import stored_rows, write_rows
+from sherd.match import match
 from sherd.mesh.point_cloud import PointCloud
-from sherd.mesh.surface_points import SurfacePoints
-from sherd.output import write_text
-from sherd.repair.repair import repair
-from sherd.repair.sides import side_is_unclear
+from sherd.scan.intake import scan_intake
 from sherd.scan.surface_from_points import surface_from_points
 from sherd.shapes.creature import creature
 from sherd.shapes.fragment import (
@@ -42,14 +37,13 @@ from sherd.shapes.fragment import (
     with_clutter,
     with_flipped_faces,
 )
-from sherd.template import Template
+from sherd.spectral.surface_distances import SurfaceDistances
+from sherd.surface.template import Template
 
 __all__ = ["KINDS", "DegradeRow", "degrade_benchmark", "degrade_table"]
 
 Spoil = Callable[[Fragment, float, np.random.Generator], Fragment]
 
-# Errors of so many vertices, spread evenly over their numbers, tell the mean within 5 %.
-MEASURED = 600
 HOLE_RADIUS = 0.02
 BAND = 0.03
 
@@ -164,7 +158,6 @@ def degrade_benchmark(
     kinds: Sequence[str] = tuple(KINDS),
     vertex_count: int = 10_000,
     seed: int = 0,
-    progress: Callable[[DegradeRow], None] | None = None,
 ) -> list[DegradeRow]:
     """Spoil, match and measure; write degrade.json and a curve for each kind as PNG.
 
@@ -180,10 +173,11 @@ def degrade_benchmark(
     """
     check_plotting()
     settings = {"sherd": __version__, "vertices": vertex_count, "seed": seed}
-    rows = _stored(output, settings)
+    path = output / "degrade.json"
+    rows = stored_rows(path, settings, DegradeRow)
     animal = creature(vertex_count)
     template = Template(animal)
-    distances = GroundTruthDistances(animal)
+    distances = SurfaceDistances(animal)
     posed = whole(creature(vertex_count, pose="walk"), animal)
     middle = np.median(posed.mesh.vertices, axis=0)
     clean = remeshed(largest_piece(cut_by_plane(posed, middle, [1.0, 0.3, 0.1])), 1.1)
@@ -194,10 +188,7 @@ def degrade_benchmark(
             rng = np.random.default_rng(seed)
             part = moved(KINDS[kind].spoil(clean, level, rng), rng)
             rows.append(_measured(kind, level, part, template, distances))
-            content = {**settings, "rows": [asdict(row) for row in rows]}
-            write_text(output / "degrade.json", json.dumps(content, indent=2) + "\n")
-            if progress is not None:
-                progress(rows[-1])
+            write_rows(path, settings, rows)
         _draw(output, kind, [row for row in rows if row.kind == kind])
     return rows
 
@@ -221,50 +212,28 @@ def _measured(
     level: float,
     part: Fragment,
     template: Template,
-    distances: GroundTruthDistances,
+    distances: SurfaceDistances,
 ) -> DegradeRow:
-    mended, report = repair(part.mesh)
     template.prepare()
     start = time.perf_counter()
-    blind = level >= KINDS[kind].blind or side_is_unclear(mended, report)
-    matching = match_either_side if blind else match
-    result = matching(template, mended)
+    scan = scan_intake(part.mesh)
+    blind = level >= KINDS[kind].blind
+    answers = match(template, replace(scan, side_known=scan.side_known and not blind))
     seconds = time.perf_counter() - start
-    truth = part.truth[report.original_vertices]
-    present = part.present[report.original_vertices]
-    matched = result.point_map.matched
+    truth, present = part.truth, part.present
     clutter = ~present
+    there = np.flatnonzero(present)
+    some = there[evenly_spread(len(there))]
+    errors = distances.between(truth[some], answers.points[some])
     return DegradeRow(
         kind=kind,
         level=level,
-        error=_error(result, truth, np.flatnonzero(present), distances),
-        coverage=float(matched[present].mean()),
-        recognized=float((~matched[clutter]).mean()) if clutter.any() else None,
-        score=result.scores["best"],
+        error=100 * float(errors.mean()),
+        coverage=float(answers.matched[present].mean()),
+        recognized=float((~answers.matched[clutter]).mean()) if clutter.any() else None,
+        score=answers.best.score,
         seconds=seconds,
     )
-
-
-def _error(
-    result: MatchResult,
-    truth: SurfacePoints,
-    vertices: np.ndarray[Any, np.dtype[np.int64]],
-    distances: GroundTruthDistances,
-) -> float:
-    count = min(MEASURED, len(vertices))
-    some = vertices[np.linspace(0, len(vertices) - 1, count).astype(int)]
-    return 100 * float(distances.between(truth[some], result.point_map.points[some]).mean())
-
-
-def _stored(output: Path, settings: dict[str, Any]) -> list[DegradeRow]:
-    """Rows of an earlier run with the same settings."""
-    try:
-        content = json.loads((output / "degrade.json").read_text(encoding="utf-8"))
-        if {key: content[key] for key in settings} != settings:
-            return []
-        return [DegradeRow(**row) for row in content["rows"]]
-    except (OSError, ValueError, KeyError, TypeError):
-        return []
 
 
 def _draw(output: Path, kind: str, rows: Sequence[DegradeRow]) -> None:

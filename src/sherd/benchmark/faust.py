@@ -5,22 +5,19 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from sherd.arrays import Ints
 from sherd.benchmark.landmark_truth import landmark_map
-from sherd.benchmark.match_benchmark import match_benchmark
-from sherd.benchmark.match_row import BenchmarkSettings
-from sherd.benchmark.pairs import Pair, seed_of
+from sherd.benchmark.pairs import BenchmarkSettings, Pair, PairSet, seed_of
 from sherd.benchmark.random_cuts import CUTS, random_cut
 from sherd.errors import MeshFileError
 from sherd.files.mesh_files import read_mesh
 from sherd.mesh.surface_points import SurfacePoints, closest_points
 from sherd.mesh.triangle_mesh import TriangleMesh
 
-__all__ = ["PersonPair", "faust_benchmark", "faust_pairs"]
+__all__ = ["PersonPair", "faust_pairs", "faust_set"]
 
 
 BODY_NAME = re.compile(r"tr_reg_(\d+)(\d)")
@@ -115,42 +112,23 @@ def faust_pairs(directory: Path, *, seed: int = 0) -> tuple[PersonPair, ...]:
     return tuple(found)
 
 
-def faust_benchmark(
-    directory: Path,
-    *,
-    output: Path,
-    settings: BenchmarkSettings | None = None,
-    only: tuple[str, ...] = (),
-    jobs: int = 1,
-) -> dict[str, Any]:
-    """Cut and match all pairs, write ``bench.json`` to `output`, and return its content.
-
-    Parameters
-    ----------
-    directory
-        See :func:`faust_pairs`.
-    output, settings, jobs
-        See :func:`sherd.benchmark.match_benchmark.match_benchmark`.
-    only
-        Names of the pairs to measure; all if empty.
+def faust_set(directory: Path, settings: BenchmarkSettings | None = None) -> PairSet:
+    """All pairs, cut and shown as `settings` (the defaults if None) say.
 
     Raises
     ------
     MeshFileError
-        If a file is missing or damaged.
-    OptionError
-        If `jobs` is below 1.
+        See :func:`faust_pairs`.
     """
     settings = settings or BenchmarkSettings()
-    pairs = faust_pairs(directory, seed=settings.seed)
-    sources = [pair for pair in pairs if not only or pair.name in only]
-    words = {
-        "title": "different people (FAUST)",
-        "data": "FAUST, parts of one person on the body of another in another pose; the method is "
+    return PairSet(
+        title="different people (FAUST)",
+        data="FAUST, parts of one person on the body of another in another pose; the method is "
         "not trained; bodies brought to one area; truth from landmarks",
-        "meshes": "as stored, each body meshed on its own",
-    }
-    return match_benchmark(sources, output, settings=settings, words=words, jobs=jobs)
+        meshes="as stored, each body meshed on its own",
+        settings=settings,
+        pairs=faust_pairs(directory, seed=settings.seed),
+    )
 
 
 def _carried(

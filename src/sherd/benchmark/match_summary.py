@@ -1,4 +1,4 @@
-"""Totals of a benchmark of `match`, as plain numbers for JSON and as text."""
+"""Rows and totals of a benchmark of `match`: what bench.json holds, and the same as text."""
 
 from __future__ import annotations
 
@@ -9,7 +9,9 @@ from typing import Any
 import numpy as np
 
 from sherd._version import __version__
-from sherd.benchmark.match_row import BAD, THRESHOLDS, BenchmarkSettings, MatchRow
+from sherd.benchmark.match_measurement import BAD, THRESHOLDS
+from sherd.benchmark.match_row import MatchRow
+from sherd.benchmark.pairs import PairSet
 
 __all__ = ["summary", "summary_table"]
 
@@ -19,9 +21,7 @@ MEANS = (
 )  # fmt: skip
 
 
-def summary(
-    rows: Sequence[MatchRow], settings: BenchmarkSettings, words: Mapping[str, str]
-) -> dict[str, Any]:
+def summary(pair_set: PairSet, rows: Sequence[MatchRow]) -> dict[str, Any]:
     """Rows, totals by kind and together, cumulative and calibration curves, for JSON.
 
     A total is the mean over the pairs that were answered; None where it is known of none.
@@ -29,8 +29,10 @@ def summary(
     kinds = dict.fromkeys(row.kind for row in rows)
     return {
         "version": __version__,
-        **words,
-        "settings": asdict(settings),
+        "title": pair_set.title,
+        "data": pair_set.data,
+        "meshes": pair_set.meshes,
+        "settings": asdict(pair_set.settings),
         "thresholds": THRESHOLDS.tolist(),
         "totals": {kind: _total([row for row in rows if row.kind == kind]) for kind in kinds},
         "together": _total(rows),

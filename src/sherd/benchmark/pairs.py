@@ -1,4 +1,4 @@
-"""What a benchmark of `match` is made of: pairs of a full shape and a part, with ground truth."""
+"""What a benchmark of `match` asks: pairs with ground truth, and how they are shown to it."""
 
 from __future__ import annotations
 
@@ -7,13 +7,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
 
-import numpy as np
-
 from sherd.arrays import Bools
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
 
-__all__ = ["Pair", "PairSource", "rotated", "seed_of"]
+__all__ = ["BenchmarkSettings", "Pair", "PairSet", "PairSource", "seed_of"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,12 +64,48 @@ class PairSource(Protocol):
         ...
 
 
-def rotated(mesh: TriangleMesh, seed: int) -> TriangleMesh:
-    """The mesh turned at random, uniformly over all rotations."""
-    frame, triangular = np.linalg.qr(np.random.default_rng(seed).normal(size=(3, 3)))
-    frame = frame * np.sign(np.diag(triangular))
-    frame[:, 0] *= np.sign(np.linalg.det(frame))
-    return mesh.with_vertices(mesh.vertices @ frame.T)
+@dataclass(frozen=True)
+class BenchmarkSettings:
+    """How parts are shown to the method.
+
+    Parameters
+    ----------
+    rotate
+        Turn every part at random.
+    unknown_scale
+        Scale every part by a random factor in [1/2, 2] and tell the method only that it is unknown.
+    points
+        Take the faces from every part; which side is outside is then unknown as well.
+    seed
+        Seed of rotations, factors, cuts and of the method.
+    """
+
+    rotate: bool = False
+    unknown_scale: bool = False
+    points: bool = False
+    seed: int = 0
+
+
+@dataclass(frozen=True)
+class PairSet:
+    """The pairs of a data set, and what is said about them.
+
+    Attributes
+    ----------
+    title, data, meshes
+        Name of the data set, what its numbers mean, and where its triangles come from, for readers
+        of bench.json and bench.html.
+    settings
+        How parts are shown to the method, and the seed with which the pairs were drawn.
+    pairs
+        Names are unique.
+    """
+
+    title: str
+    data: str
+    meshes: str
+    settings: BenchmarkSettings
+    pairs: tuple[PairSource, ...]
 
 
 def seed_of(name: str, seed: int) -> int:

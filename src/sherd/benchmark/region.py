@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import time
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -11,13 +10,15 @@ import numpy as np
 
 from sherd._version import __version__
 from sherd.arrays import Bools
-from sherd.benchmark.datasets import shrec16_pairs
 from sherd.benchmark.metrics import region_overlap
-from sherd.benchmark.pairs import Pair, rotated
+from sherd.benchmark.pairs import Pair
+from sherd.benchmark.row_file import stored_rows, write_rows
+from sherd.benchmark.runner import measured_rows
+from sherd.benchmark.shrec16 import shrec16_pairs
+from sherd.locate import locate
 from sherd.mesh.surface_points import SurfacePoints
-from sherd.output import Stages, write_text
-from sherd.region.locate import locate
-from sherd.region.options import LocateOptions
+from sherd.results.locate_options import LocateOptions
+from sherd.shapes.rotation import rotated
 from sherd.shapes.truth import true_region
 
 __all__ = ["RegionRow", "region_benchmark", "region_table"]
@@ -62,17 +63,23 @@ def region_benchmark(
         "remeshed": remeshed is not None,
         "options": asdict(options),
     }
-    rows = {} if output is None else _known(output / "bench.json", question)
-    stages = Stages(len(pairs))
-    for number, files in enumerate(pairs):
-        with stages(files.name):
-            if files.name not in rows:
-                rows[files.name] = _measured(files.load(), number, options)
+    known: dict[str, RegionRow] = {}
+    if output is not None:
+        stored = stored_rows(output / "bench.json", question, RegionRow)
+        known = {row.pair: row for row in stored}
+
+    def keep(name: str, row: RegionRow) -> None:
+        known[name] = row
         if output is not None:
-            document = {**question, "rows": [asdict(row) for row in rows.values()]}
-            write_text(output / "bench.json", json.dumps(document, indent=1) + "\n")
-    stages.close()
-    return [rows[files.name] for files in pairs]
+            write_rows(output / "bench.json", question, known.values())
+
+    seeds = {files.name: number for number, files in enumerate(pairs)}
+    return measured_rows(
+        pairs,
+        lambda files: _measured(files.load(), seeds[files.name], options),
+        known=known,
+        keep=keep,
+    )
 
 
 def region_table(rows: list[RegionRow]) -> str:
@@ -101,7 +108,7 @@ def region_table(rows: list[RegionRow]) -> str:
 
 def _measured(pair: Pair, seed: int, options: LocateOptions) -> RegionRow:
     start = time.perf_counter()
-    region = locate(pair.full, rotated(pair.part, seed), options)
+    region = locate(pair.full, rotated(pair.part, np.random.default_rng(seed)), options)
     seconds = time.perf_counter() - start
     truth = _truth_mask(pair, pair.truth)
     iou = region_overlap(pair.full, region.mask, truth)
@@ -117,7 +124,7 @@ def _measured(pair: Pair, seed: int, options: LocateOptions) -> RegionRow:
         iou_mirror_forgiven=forgiven,
         iou_with_alternatives=max([iou, *others]),
         score=region.score,
-        status=region.status.name,
+        status=region.convergence.name,
         seconds=seconds,
         seconds_after_eigenbasis=seconds - region.timings["eigenbasis"],
     )
@@ -125,13 +132,3 @@ def _measured(pair: Pair, seed: int, options: LocateOptions) -> RegionRow:
 
 def _truth_mask(pair: Pair, truth: SurfacePoints) -> Bools:
     return true_region(pair.full, pair.part, truth)
-
-
-def _known(path: Path, question: dict[str, object]) -> dict[str, RegionRow]:
-    try:
-        document = json.loads(path.read_text(encoding="utf-8"))
-        if any(document.get(key) != value for key, value in question.items()):
-            return {}
-        return {row["pair"]: RegionRow(**row) for row in document["rows"]}
-    except (OSError, ValueError, KeyError, TypeError):
-        return {}  # no earlier run, or one of another version: measured anew

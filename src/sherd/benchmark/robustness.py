@@ -22,6 +22,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from sherd._version import __version__
+from sherd.benchmark.row_file import stored_rows, write_rows
 from sherd.errors import SherdError
 from sherd.files.mesh_files import read_mesh
 from sherd.output import write_text
@@ -137,7 +138,7 @@ def robustness(
     """
     jobs = {"check": check_command} if commands is None else dict(commands)
     settings = {"sherd": __version__, "seconds": seconds}
-    known = _stored(output, settings)
+    known = _stored(output / "robustness.json", settings)
     rows: list[RobustnessRow] = []
     files = sorted(path for path in folder.rglob("*") if path.is_file())
     for path in files:
@@ -241,15 +242,9 @@ def _damage(path: Path) -> str:
     return ""
 
 
-def _stored(output: Path, settings: dict[str, Any]) -> dict[tuple[str, str, str], RobustnessRow]:
+def _stored(path: Path, settings: dict[str, Any]) -> dict[tuple[str, str, str], RobustnessRow]:
     """Rows without failure of an earlier run with the same settings, by what they are about."""
-    try:
-        content = json.loads((output / "robustness.json").read_text(encoding="utf-8"))
-        if {key: content[key] for key in settings} != settings:
-            return {}
-        rows = [RobustnessRow(**row) for row in content["rows"]]
-    except (OSError, ValueError, KeyError, TypeError):
-        return {}
+    rows = stored_rows(path, settings, RobustnessRow)
     return {(row.file, row.command, row.sha256): row for row in rows if row.verdict != "failed"}
 
 
@@ -264,5 +259,4 @@ def _write(rows: list[RobustnessRow], output: Path, settings: dict[str, Any]) ->
         verdict: sum(row.verdict == verdict for row in rows)
         for verdict in ("done", "refused", "failed")
     }
-    content = {**settings, "total": total, "rows": table}
-    write_text(output / "robustness.json", json.dumps(content, indent=2) + "\n")
+    write_rows(output / "robustness.json", {**settings, "total": total}, rows)

@@ -11,29 +11,28 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from sherd._version import __version__
-from sherd.benchmark.metrics import GroundTruthDistances
+from sherd.benchmark.metrics import evenly_spread
 from sherd.benchmark.paper.drawing import check_plotting, draw_curves
+from sherd.benchmark.row_file import write_rows
 from sherd.errors import SherdError
 from sherd.files.mesh_files import write_mesh
 from sherd.mesh.surface_points import SurfacePoints, closest_points
-from sherd.output import write_text
 from sherd.shapes.creature import SMALLEST, creature
 from sherd.shapes.fragment import Fragment, cut_by_plane, decimated, largest_piece, moved, whole
+from sherd.spectral.surface_distances import SurfaceDistances
 
 __all__ = ["SIZES", "SizeRow", "size_benchmark", "size_table"]
 
 SIZES = (2_000, 5_000, 10_000, 20_000, 50_000, 100_000, 200_000, 500_000, 1_000_000)
 # The part is what lies in front of a slanted plane with this share of the vertices.
 PART_SHARE = 0.3
-# Errors of so many vertices, spread evenly over their numbers, tell the mean within 5 %.
-MEASURED = 600
 # Errors of larger shapes are measured on the same surface with so many vertices. It is also where
 # matching begins to work on a proxy, so the rows below and above tell what the proxy costs.
 MEASURED_ON = 20_000
@@ -66,12 +65,7 @@ class SizeRow:
     stages: dict[str, float]
 
 
-def size_benchmark(
-    output: Path,
-    *,
-    sizes: Sequence[int] = SIZES,
-    progress: Callable[[SizeRow], None] | None = None,
-) -> list[SizeRow]:
+def size_benchmark(output: Path, *, sizes: Sequence[int] = SIZES) -> list[SizeRow]:
     """Match a third of an animal with the whole at each size; write size.json and size.png.
 
     Raises
@@ -87,10 +81,7 @@ def size_benchmark(
     rows: list[SizeRow] = []
     for size in sizes:
         rows.append(_measured(size))
-        content = {"sherd": __version__, "rows": [asdict(row) for row in rows]}
-        write_text(output / "size.json", json.dumps(content, indent=2) + "\n")
-        if progress is not None:
-            progress(rows[-1])
+        write_rows(output / "size.json", {"sherd": __version__}, rows)
     counts = [float(row.full_vertices) for row in rows]
     draw_curves(
         output / "size.png",
@@ -171,12 +162,11 @@ def _run(folder: Path) -> tuple[float, float, float]:
 
 
 def _error(fragment: Fragment, answers: SurfacePoints) -> float:
-    full, count = fragment.full, min(MEASURED, len(answers))
-    some = np.linspace(0, len(answers) - 1, count).astype(int)
+    full, some = fragment.full, evenly_spread(len(answers))
     truth, found = fragment.truth[some], answers[some]
     if full.vertex_count > 1.1 * MEASURED_ON:
         ruler = creature(MEASURED_ON)
         truth = closest_points(ruler, truth.positions(full))
         found = closest_points(ruler, found.positions(full))
         full = ruler
-    return 100 * float(GroundTruthDistances(full).between(truth, found).mean())
+    return 100 * float(SurfaceDistances(full).between(truth, found).mean())

@@ -5,19 +5,16 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from sherd.arrays import Ints
-from sherd.benchmark.match_benchmark import match_benchmark
-from sherd.benchmark.match_row import BenchmarkSettings
-from sherd.benchmark.pairs import Pair
+from sherd.benchmark.pairs import BenchmarkSettings, Pair, PairSet
 from sherd.errors import MeshFileError
 from sherd.files.mesh_files import read_mesh
 from sherd.mesh.surface_points import points_at_vertices
 
-__all__ = ["AnimalParts", "smal_benchmark", "smal_pairs"]
+__all__ = ["AnimalParts", "smal_pairs", "smal_set"]
 
 
 MAP_NAME = re.compile(r"(\w+?_\d+_([a-z]+)_\d+)_(\w+?_\d+_([a-z]+)_\d+)")
@@ -92,45 +89,25 @@ def smal_pairs(directory: Path) -> tuple[AnimalParts, ...]:
     return tuple(found)
 
 
-def smal_benchmark(
-    directory: Path,
-    *,
-    output: Path,
-    settings: BenchmarkSettings | None = None,
-    only: tuple[str, ...] = (),
-    jobs: int = 1,
-) -> dict[str, Any]:
-    """Match all pairs, write ``bench.json`` to `output`, and return its content.
+def smal_set(directory: Path, settings: BenchmarkSettings | None = None) -> PairSet:
+    """All pairs of a folder, shown as `settings` (the defaults if None) say.
 
     `match` assumes that the full shape is full; here it is not, so some vertices of the part have
     no place, and a part larger than the full shape is refused. Lengths are relative to the area of
     the second shape as stored, a part.
 
-    Parameters
-    ----------
-    directory
-        See :func:`smal_pairs`.
-    output, settings, jobs
-        See :func:`sherd.benchmark.match_benchmark.match_benchmark`.
-    only
-        Names of the maps to measure; all if empty.
-
     Raises
     ------
     MeshFileError
-        If a file is missing or damaged.
-    OptionError
-        If `jobs` is below 1.
+        See :func:`smal_pairs`.
     """
-    sources = [pair for pair in smal_pairs(directory) if not only or pair.name in only]
-    words = {
-        "title": "parts of different animals (SMAL)",
-        "data": "SMAL, parts matched with parts; the method is not trained and takes the second "
+    return PairSet(
+        title="parts of different animals (SMAL)",
+        data="SMAL, parts matched with parts; the method is not trained and takes the second "
         "for a full shape; errors of vertices inside the overlap",
-        "meshes": "as stored",
-    }
-    return match_benchmark(
-        sources, output, settings=settings or BenchmarkSettings(), words=words, jobs=jobs
+        meshes="as stored",
+        settings=settings or BenchmarkSettings(),
+        pairs=smal_pairs(directory),
     )
 
 

@@ -3,21 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
+from functools import wraps
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 import click
 
-from sherd.benchmark.faust import faust_benchmark
-from sherd.benchmark.match_page import write_benchmark_page
-from sherd.benchmark.match_row import BenchmarkSettings
+from sherd.benchmark.faust import faust_set
+from sherd.benchmark.match_benchmark import match_benchmark
 from sherd.benchmark.match_summary import summary_table
-from sherd.benchmark.shrec16 import KINDS, shrec16_benchmark
-from sherd.benchmark.smal import smal_benchmark
+from sherd.benchmark.pairs import BenchmarkSettings, PairSet
+from sherd.benchmark.shrec16 import KINDS, shrec16_set
+from sherd.benchmark.smal import smal_set
 
 __all__ = ["faust_command", "shrec16_command", "smal_command"]
-
-Command = TypeVar("Command", bound=Callable[..., Any])
 
 OPTIONS = (
     click.argument("directory", type=click.Path(path_type=Path)),
@@ -29,33 +29,47 @@ OPTIONS = (
 )
 
 
-def _common(command: Command) -> Command:
+def _matching_all(pair_set: Callable[..., PairSet]) -> Callable[..., int]:
+    """The body of a command: match all pairs that `pair_set` gives for a folder and settings.
+
+    The command has the common options, and those that are declared on `pair_set` itself.
+    """
+
+    @wraps(pair_set)
+    def body(
+        directory: Path,
+        *,
+        rotate: bool,
+        unknown_scale: bool,
+        only: tuple[str, ...],
+        jobs: int,
+        output: Path,
+        **own: Any,
+    ) -> int:
+        settings = BenchmarkSettings(rotate=rotate, unknown_scale=unknown_scale)
+        pairs = pair_set(directory, settings, **own)
+        document = match_benchmark(pairs, output, only=only, jobs=jobs)
+        click.echo(f"{summary_table(document)}\nOpen {output / 'bench.html'} to see it.")
+        return 0
+
     for option in reversed(OPTIONS):
-        command = option(command)
-    return command
-
-
-def _finish(document: dict[str, Any], output: Path) -> int:
-    write_benchmark_page(document, output)
-    click.echo(f"{summary_table(document)}\nOpen {output / 'bench.html'} to see it.")
-    return 0
+        body = option(body)
+    return body
 
 
 @click.command("shrec16")
-@_common
+@_matching_all
 @click.option("--remeshed", type=click.Path(path_type=Path), help="Parts meshed anew.")
 @click.option("--points", is_flag=True, help="Take the faces from every part.")
 @click.option("--kind", type=click.Choice(KINDS), multiple=True, help="Both if none.")
 def shrec16_command(
     directory: Path,
+    settings: BenchmarkSettings,
     *,
     remeshed: Path | None,
+    points: bool,
     kind: tuple[str, ...],
-    only: tuple[str, ...],
-    jobs: int,
-    output: Path,
-    **settings: bool,
-) -> int:
+) -> PairSet:
     """Match every part of a SHREC'16 folder and report errors, regions and times.
 
     Writes bench.json and bench.html; goes on where an interrupted run stopped.
@@ -64,29 +78,13 @@ def shrec16_command(
     Example:
       sherd bench shrec16 shrec16/ --kind cuts --rotate -o bench/
     """  # noqa: D301
-    document = shrec16_benchmark(
-        directory,
-        output=output,
-        kinds=kind or KINDS,
-        settings=BenchmarkSettings(**settings),
-        remeshed=remeshed,
-        only=only,
-        jobs=jobs,
-    )
-    return _finish(document, output)
+    settings = replace(settings, points=points)
+    return shrec16_set(directory, settings, kinds=kind or KINDS, remeshed=remeshed)
 
 
 @click.command("faust")
-@_common
-def faust_command(
-    directory: Path,
-    *,
-    rotate: bool,
-    unknown_scale: bool,
-    only: tuple[str, ...],
-    jobs: int,
-    output: Path,
-) -> int:
+@_matching_all
+def faust_command(directory: Path, settings: BenchmarkSettings) -> PairSet:
     """Match parts cut from one person with the body of another, in another pose.
 
     DIRECTORY holds tr_reg_<number>.off, each body meshed on its own, and corres/ with landmarks.
@@ -98,22 +96,12 @@ def faust_command(
     Example:
       sherd bench faust faust_5k/ --rotate -o bench/
     """  # noqa: D301
-    settings = BenchmarkSettings(rotate=rotate, unknown_scale=unknown_scale)
-    document = faust_benchmark(directory, output=output, settings=settings, only=only, jobs=jobs)
-    return _finish(document, output)
+    return faust_set(directory, settings)
 
 
 @click.command("smal")
-@_common
-def smal_command(
-    directory: Path,
-    *,
-    rotate: bool,
-    unknown_scale: bool,
-    only: tuple[str, ...],
-    jobs: int,
-    output: Path,
-) -> int:
+@_matching_all
+def smal_command(directory: Path, settings: BenchmarkSettings) -> PairSet:
     """Match parts of animals with parts of other animals, often of another species.
 
     DIRECTORY holds shapes/ and maps/. The method takes the second shape of each map for a full one,
@@ -124,6 +112,4 @@ def smal_command(
     Example:
       sherd bench smal smal_parts/ --rotate --unknown-scale -o bench/
     """  # noqa: D301
-    settings = BenchmarkSettings(rotate=rotate, unknown_scale=unknown_scale)
-    document = smal_benchmark(directory, output=output, settings=settings, only=only, jobs=jobs)
-    return _finish(document, output)
+    return smal_set(directory, settings)

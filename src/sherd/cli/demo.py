@@ -7,16 +7,17 @@ from pathlib import Path
 import click
 import numpy as np
 
-from sherd.benchmark.metrics import GroundTruthDistances, region_overlap
+from sherd.benchmark.metrics import region_overlap
 from sherd.cli.matching import match_and_write, match_summary
 from sherd.files.mesh_files import write_mesh
 from sherd.match import STAGES
+from sherd.output import Stages
 from sherd.results.match_options import MatchOptions
 from sherd.scan.intake import scan_intake
-from sherd.surface.template import Template
-from sherd.output import Stages
 from sherd.shapes.creature import creature, landmarks
 from sherd.shapes.fragment import Fragment, cut_by_ball, moved, remeshed, whole
+from sherd.spectral.surface_distances import SurfaceDistances
+from sherd.surface.template import Template
 
 __all__ = ["demo_command", "demo_fragment"]
 
@@ -51,7 +52,7 @@ def demo_command(output: Path, *, quiet: bool) -> int:
     if quiet:
         return 0
     click.echo(match_summary(result, document, output))
-    distances = GroundTruthDistances(fragment.full)
+    distances = SurfaceDistances(fragment.full)
     error = 100 * distances.between(fragment.truth, result.points).mean()
     common = region_overlap(fragment.full, result.best.mask, fragment.region)
     click.echo(

@@ -4,31 +4,19 @@ from __future__ import annotations
 
 import shlex
 import sys
-from collections.abc import Mapping
 from pathlib import Path
-from typing import Protocol
 
 import click
 
-from sherd.mesh.triangle_mesh import TriangleMesh
+from sherd.results.locate_result import LocateResult
+from sherd.results.match_result import MatchResult
 from sherd.scan.intake import mesh_intake
 from sherd.surface.template import Template
 
 __all__ = ["command_line", "show_notices", "stored_template"]
 
 
-class Noticed(Protocol):
-    """A result that knows what was adapted in its shapes."""
-
-    @property
-    def full(self) -> TriangleMesh: ...
-    @property
-    def part(self) -> TriangleMesh: ...
-    @property
-    def notices(self) -> Mapping[str, tuple[str, ...]]: ...
-
-
-def show_notices(result: Noticed) -> None:
+def show_notices(result: MatchResult | LocateResult) -> None:
     """Say on standard error what was adapted; called once there is a result it applies to."""
     for which, mesh in (("full", result.full), ("part", result.part)):
         for text in result.notices[which]:

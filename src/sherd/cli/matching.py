@@ -22,7 +22,7 @@ from sherd.results.status import Status
 from sherd.scan.either_side import SIDES
 from sherd.scan.intake import Intake, scan_intake
 from sherd.scan.numbering import repaired_vertices
-from sherd.spectral.true_distances import GroundTruthDistances
+from sherd.spectral.surface_distances import SurfaceDistances
 from sherd.surface.template import Template
 
 __all__ = ["match_and_write", "match_command", "match_summary"]
@@ -124,7 +124,7 @@ def match_and_write(
     with stages("files"):
         errors = None
         if true_points is not None:
-            errors = GroundTruthDistances(result.full).between(true_points, result.points)
+            errors = SurfaceDistances(result.full).between(true_points, result.points)
         document = write_report(
             result, output, command=command_line(), errors=errors, exports=exports
         )

@@ -17,7 +17,7 @@ from sherd.errors import InvalidMeshError, OptionError
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
 
-__all__ = ["Exhibit", "Layer", "LayerKind", "Partner", "Alternative"]
+__all__ = ["Alternative", "Exhibit", "Layer", "LayerKind", "Partner"]
 
 LayerKind = Literal["scalar", "mask", "color", "category"]
 COLOR_MAPS = ("ember", "lagoon", "dusk", "balance")

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
-from typing import Any, Protocol
+from typing import Any, TypeAlias
 
 import numpy as np
 
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.report.exhibit import Exhibit
 from sherd.report.files import table_csv
+from sherd.results.locate_result import LocateResult
+from sherd.results.match_result import MatchResult
 from sherd.results.placement import Placement
 
 __all__ = [
@@ -30,28 +32,7 @@ __all__ = [
 CLOSE_SCORE = 0.02
 
 
-class Answer(Protocol):
-    """What every result knows."""
-
-    @property
-    def full(self) -> TriangleMesh: ...
-    @property
-    def part(self) -> TriangleMesh: ...
-    @property
-    def best(self) -> Placement: ...
-    @property
-    def alternatives(self) -> tuple[Placement, ...]: ...
-    @property
-    def options(self) -> Any: ...
-    @property
-    def version(self) -> str: ...
-    @property
-    def timings(self) -> Mapping[str, float]: ...
-    @property
-    def working_vertices(self) -> Mapping[str, int]: ...
-    @property
-    def notices(self) -> Mapping[str, tuple[str, ...]]: ...
-    def check(self) -> Any: ...
+Answer: TypeAlias = MatchResult | LocateResult
 
 
 @dataclass(frozen=True, eq=False)

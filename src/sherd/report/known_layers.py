@@ -94,7 +94,9 @@ def own_fields(fields: Mapping[str, Floats]) -> dict[str, Floats]:
     """Those vertex properties of a PLY file that sherd wrote which came with the user's mesh."""
     suffix = "_" + property_name(FROM_FILE)
     return {
-        name.removesuffix(suffix): values for name, values in fields.items() if name.endswith(suffix)
+        name.removesuffix(suffix): values
+        for name, values in fields.items()
+        if name.endswith(suffix)
     }
 
 

@@ -30,7 +30,7 @@ def locate_report(result: LocateResult, *, command: str = "") -> Report:
     """All that is written of a located region."""
     document = _document(result, command)
     exhibit = _exhibit(result, document)
-    files = {
+    files: dict[str, str | bytes] = {
         "region.csv": region_csv(result.best),
         "region.ply": painted_ply(result.full, exhibit.full_layers),
         "part.ply": encoded(result.part, ".ply"),

@@ -34,9 +34,7 @@ __all__ = ["match_report"]
 ANCHOR_COUNT = 60
 
 
-def match_report(
-    result: MatchResult, *, command: str = "", errors: Floats | None = None
-) -> Report:
+def match_report(result: MatchResult, *, command: str = "", errors: Floats | None = None) -> Report:
     """All that is written of a match; `errors` (n_part,) where the truth is known."""
     document = _document(result, command, errors)
     exhibit = _exhibit(result, document, errors)
@@ -95,9 +93,7 @@ def _document(result: MatchResult, command: str, errors: Floats | None) -> dict[
     return document
 
 
-def _exhibit(
-    result: MatchResult, document: Mapping[str, Any], errors: Floats | None
-) -> Exhibit:
+def _exhibit(result: MatchResult, document: Mapping[str, Any], errors: Floats | None) -> Exhibit:
     """The match as something to look at."""
     truth = {"Ground truth": document["ground_truth"]} if "ground_truth" in document else {}
     return Exhibit(

@@ -30,7 +30,7 @@ FORMAT = "sherd match 1"
 
 
 def stored_alternatives(alternatives: tuple[Placement, ...]) -> bytes:
-    """An ``.npz`` file with ``faces_K``, ``barycentric_K``, ``mask_K``, ``membership_K`` of each."""
+    """An ``.npz`` file: of each ``faces_K``, ``barycentric_K``, ``mask_K``, ``membership_K``."""
     arrays: dict[str, Any] = {}
     for k, other in enumerate(alternatives):
         arrays[f"mask_{k}"], arrays[f"membership_{k}"] = other.mask, other.membership

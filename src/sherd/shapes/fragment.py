@@ -21,6 +21,7 @@ from sherd.errors import InfeasibleError, InputError, OptionError
 from sherd.mesh.surface_points import SurfacePoints, closest_points, points_at_vertices
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.shapes.clip import clip
+from sherd.shapes.rotation import rotated
 from sherd.shapes.truth import carried, true_region
 from sherd.spectral.geodesics import Geodesics
 from sherd.spectral.sampling import decimate, remesh
@@ -246,12 +247,9 @@ def noisy(fragment: Fragment, sigma: float, *, rng: np.random.Generator) -> Frag
 
 def moved(fragment: Fragment, rng: np.random.Generator) -> Fragment:
     """A random rotation, uniform over all, and a random translation of about one length."""
-    frame, triangular = np.linalg.qr(rng.normal(size=(3, 3)))
-    frame = frame * np.sign(np.diag(triangular))
-    if np.linalg.det(frame) < 0:
-        frame[:, 0] = -frame[:, 0]
+    turned = rotated(fragment.mesh, rng)
     shift = rng.normal(size=3) * fragment.full.length
-    return _with_vertices(fragment, fragment.mesh.vertices @ frame.T + shift)
+    return _with_vertices(fragment, turned.vertices + shift)
 
 
 def scaled(fragment: Fragment, factor: float) -> Fragment:

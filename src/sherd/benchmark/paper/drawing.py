@@ -129,7 +129,8 @@ def draw_curves(
     axis.set_xscale("log" if logarithmic[0] else "linear")
     axis.set_yscale("log" if logarithmic[1] else "linear")
     axis.grid(visible=True, color="#dddddd", linewidth=0.6)
-    axis.legend(frameon=False, fontsize=9)
+    if series:  # matplotlib warns of a legend without entries
+        axis.legend(frameon=False, fontsize=9)
     _write(figure, path, heading)
 
 

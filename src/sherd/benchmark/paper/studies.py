@@ -29,16 +29,16 @@ from sherd.energy.automatic import REGULARITIES, chosen_regularity
 from sherd.energy.logistic import logistic_regions
 from sherd.energy.problem import EnergyWeights, RegionProblem, region_problem
 from sherd.energy.subspace import subspace_region
+from sherd.locate import locate
 from sherd.region.integral_matching import ball_starts
-from sherd.region.locate import locate
-from sherd.region.options import LocateOptions
+from sherd.results.locate_options import LocateOptions
 
 __all__ = ["animation_scenes", "descriptor_study", "method_study", "parameter_study"]
 
 
 BASIS_SIZE = 60
 # Method with the descriptor it integrates; voting brings its own. The slow ones get one each.
-METHODS = (
+METHODS: tuple[tuple[Method, DescriptorName], ...] = (
     ("voting", "shot"),
     ("logistic", "hks"),
     ("logistic", "shot"),
@@ -111,8 +111,14 @@ def method_study(scenes: dict[str, Scene]) -> dict[str, Any]:
     for animal, scene in scenes.items():
         for case in extremity_cases(scene):
             for method, descriptor in METHODS:
-                options = LocateOptions(
-                    method=method, descriptor=descriptor, vocabulary_size=VOCABULARY[descriptor]
+                options = (
+                    LocateOptions()
+                    if method == "voting"
+                    else LocateOptions(
+                        method=method,
+                        descriptor=descriptor,
+                        vocabulary_size=VOCABULARY[descriptor],
+                    )
                 )
                 start = time.perf_counter()
                 region = locate(scene.full, case.surface.mesh, options)
@@ -124,7 +130,7 @@ def method_study(scenes: dict[str, Scene]) -> dict[str, Any]:
                         "descriptor": "rotations" if method == "voting" else descriptor,
                         "iou": overlap_with_truth(scene, case, region.mask),
                         "iou_possible": _possible_overlap(scene, case),
-                        "status": region.status.name,
+                        "status": region.convergence.name,
                         "seconds": time.perf_counter() - start,
                     }
                 )

@@ -1,0 +1,86 @@
+"""Independent questions measured one after the other, or in several processes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from functools import partial
+from multiprocessing import get_context
+from typing import Protocol, TypeVar
+
+from sherd.errors import OptionError
+from sherd.output import Stages
+from sherd.threads import set_thread_count
+
+__all__ = ["Question", "measured_rows"]
+
+
+class Question(Protocol):
+    """Something to measure that does not depend on other questions."""
+
+    @property
+    def name(self) -> str:
+        """Unique among all questions."""
+        ...
+
+
+Asked = TypeVar("Asked", bound=Question)
+Row = TypeVar("Row")
+
+
+def measured_rows(
+    questions: Sequence[Asked],
+    measure: Callable[[Asked], Row],
+    *,
+    known: Mapping[str, Row],
+    keep: Callable[[str, Row], None],
+    jobs: int = 1,
+) -> list[Row]:
+    """The row of each question, in order; what is known is not measured again.
+
+    Parameters
+    ----------
+    questions
+        Measured in this order.
+    measure
+        Gives the row of a question. With several processes it must be picklable, as must questions
+        and rows.
+    known
+        Rows of an earlier run, by name of the question.
+    keep
+        Told name and row as soon as it is measured, so that it can be stored.
+    jobs
+        Processes. They share the cores: each runs on one thread.
+
+    Raises
+    ------
+    OptionError
+        If `jobs` is below 1.
+    """
+    if jobs < 1:
+        raise OptionError(f"jobs is {jobs}, but at least 1 process is needed")
+    rows = dict(known)
+    waiting = [question for question in questions if question.name not in rows]
+    stages = Stages(len(waiting))
+    answers = _one_by_one(waiting, measure, jobs)
+    for question in waiting:
+        with stages(question.name):
+            rows[question.name] = next(answers)
+            keep(question.name, rows[question.name])
+    stages.close()
+    return [rows[question.name] for question in questions]
+
+
+def _one_by_one(
+    questions: Sequence[Asked], measure: Callable[[Asked], Row], jobs: int
+) -> Iterator[Row]:
+    if jobs == 1 or len(questions) < 2:
+        yield from map(measure, questions)
+        return
+    with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
+        yield from pool.map(partial(_measured_beside_others, measure), questions)
+
+
+def _measured_beside_others(measure: Callable[[Asked], Row], question: Asked) -> Row:
+    set_thread_count(1)
+    return measure(question)

@@ -1,0 +1,67 @@
+"""Questions are measured once, kept at once, and answered in order; rows come back from files."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+from sherd.benchmark.row_file import stored_rows, write_rows
+from sherd.benchmark.runner import measured_rows
+from sherd.errors import OptionError
+
+QUESTIONS = [Path("b/two"), Path("a/one"), Path("c/three")]
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_what_is_known_is_not_measured_again(jobs) -> None:
+    kept = []
+
+    def keep(name: str, row: str) -> None:
+        kept.append((name, row))
+
+    rows = measured_rows(QUESTIONS, os.fspath, known={"one": "known"}, keep=keep, jobs=jobs)
+    assert rows == ["b/two", "known", "c/three"]
+    assert kept == [("two", "b/two"), ("three", "c/three")]
+
+
+def test_what_was_measured_before_an_error_is_kept() -> None:
+    kept = []
+
+    def fail_at_the_second(question: Path) -> str:
+        if question.name == "one":
+            raise ValueError(question.name)
+        return question.name
+
+    with pytest.raises(ValueError, match="one"):
+        measured_rows(
+            QUESTIONS, fail_at_the_second, known={}, keep=lambda name, _: kept.append(name)
+        )
+    assert kept == ["two"]
+
+
+def test_no_process_is_refused() -> None:
+    with pytest.raises(OptionError, match="jobs is 0"):
+        measured_rows([], os.fspath, known={}, keep=lambda *_: None, jobs=0)
+
+
+@dataclass(frozen=True)
+class Measured:
+    name: str
+    error: float | None
+
+
+def test_rows_are_read_back_only_for_the_same_settings(tmp_path) -> None:
+    path = tmp_path / "bench.json"
+    rows = [Measured("one", 0.5), Measured("two", None)]
+    assert stored_rows(path, {"seed": 0}, Measured) == []
+    write_rows(path, {"seed": 0, "total": 2}, rows)
+    assert stored_rows(path, {"seed": 0}, Measured) == rows
+    assert stored_rows(path, {"seed": 1}, Measured) == []
+    assert stored_rows(path, {"vertices": 5}, Measured) == []
+    path.write_text('{"seed": 0, "rows": [{"name": "one"}]}')  # of another version
+    assert stored_rows(path, {"seed": 0}, Measured) == []
+    path.write_text("[")
+    assert stored_rows(path, {"seed": 0}, Measured) == []
