@@ -16,7 +16,7 @@ from sherd.cli.bench_match import faust_command, shrec16_command, smal_command
 from sherd.cli.exits import INTERNAL
 from sherd.files.mesh_files import write_mesh
 from sherd.output import Stages
-from sherd.results.locate_options import METHODS, LocateOptions
+from sherd.results.locate_options import METHODS, LocateOptions, Method
 from sherd.shapes.creature import creature
 from sherd.shapes.fragment import cut_by_ball, whole
 
@@ -44,7 +44,7 @@ def region_command(
     *,
     remeshed: Path | None,
     kind: str,
-    method: str,
+    method: Method,
     limit: int | None,
     output: Path | None,
 ) -> int:

@@ -31,7 +31,7 @@ from sherd.energy.problem import EnergyWeights, RegionProblem, region_problem
 from sherd.energy.subspace import subspace_region
 from sherd.locate import locate
 from sherd.region.integral_matching import ball_starts
-from sherd.results.locate_options import LocateOptions
+from sherd.results.locate_options import DescriptorName, LocateOptions, Method
 
 __all__ = ["animation_scenes", "descriptor_study", "method_study", "parameter_study"]
 
