@@ -13,7 +13,7 @@ import pytest
 from sherd.errors import OutputError
 from sherd.files.mesh_files import write_mesh
 from sherd.output import ResultFolder
-from sherd.report.folder import folder_problems
+from sherd.report.stored.folder import folder_problems
 from sherd.shapes.creature import creature
 
 NAMES = ("a.csv", "b.ply", "report.html")

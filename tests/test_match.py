@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import trimesh
+from sherd.template import Template
 
 from sherd.errors import InfeasibleError, OptionError
 from sherd.match import MatchOptions, MatchResult, MatchStatus, match
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.shapes.creature import creature
 from sherd.shapes.fragment import Fragment, cut_by_ball, moved, remeshed, reordered, scaled, whole
-from sherd.template import Template
 
 VERTICES = 5_000  # the smallest animal
 CENTER = 100

@@ -10,14 +10,15 @@ import os
 import numpy as np
 import pytest
 import trimesh
-
 from sherd.either_side import match_either_side
+from sherd.region.locate import locate
+from sherd.template import Template
+
 from sherd.errors import InputError, InvalidMeshError
 from sherd.match import match
 from sherd.mesh.sides import turned_over
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
-from sherd.region.locate import locate
 from sherd.repair.repair import repair
 from sherd.repair.sides import side_is_unclear
 from sherd.shapes.creature import creature
@@ -34,7 +35,6 @@ from sherd.shapes.fragment import (
     with_flipped_faces,
 )
 from sherd.spectral.geodesics import Geodesics
-from sherd.template import Template
 
 CASES = max(1, int(os.environ.get("SHERD_FUZZ_CASES", "60")) // 20)
 

@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
+from sherd.template import LONGEST_EDGE, Template, canonical, working_mesh
 
 from sherd.errors import MeshFileError
 from sherd.mesh.triangle_mesh import TriangleMesh
-from sherd.template import LONGEST_EDGE, Template, canonical, working_mesh
 
 
 @pytest.fixture(scope="module")

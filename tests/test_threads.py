@@ -11,7 +11,7 @@ import pytest
 from sherd.match import match
 from sherd.shapes.creature import creature
 from sherd.shapes.fragment import cut_by_ball, whole
-from sherd.template import Template
+from sherd.surface.template import Template
 from sherd.threads import over_rows, set_thread_count, thread_count
 
 
@@ -50,9 +50,9 @@ def test_matches_at_the_same_time_are_those_one_after_the_other() -> None:
         cut_by_ball(whole(creature(5000, pose=pose), template.full), 0, 0.4).mesh
         for pose in ("walk", "sit")
     ]
-    alone = [match(template, part).point_map.points for part in parts]
+    alone = [match(template, part).points for part in parts]
     with ThreadPoolExecutor(2) as pool:
-        together = list(pool.map(lambda part: match(template, part).point_map.points, parts))
+        together = list(pool.map(lambda part: match(template, part).points, parts))
     for one, two in zip(alone, together, strict=True):
         assert (one.faces == two.faces).all()
         assert np.array_equal(one.barycentric, two.barycentric)

@@ -6,12 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-
 from sherd.correspondence.point_map import PointMap
-from sherd.errors import InvalidMeshError
-from sherd.mesh.triangle_mesh import TriangleMesh
-from sherd.shapes.creature import creature, landmarks
-from sherd.shapes.fragment import cut_by_ball, moved, remeshed, whole
 from sherd.transfer import (
     field_to_full,
     field_to_part,
@@ -20,6 +15,11 @@ from sherd.transfer import (
     landmarks_to_full,
     landmarks_to_part,
 )
+
+from sherd.errors import InvalidMeshError
+from sherd.mesh.triangle_mesh import TriangleMesh
+from sherd.shapes.creature import creature, landmarks
+from sherd.shapes.fragment import cut_by_ball, moved, remeshed, whole
 
 
 @dataclass(frozen=True)

@@ -11,6 +11,8 @@ import pytest
 import trimesh
 
 from sherd.benchmark import match_benchmark as runner_of_match
+from sherd.benchmark.datasets.pairs import BenchmarkSettings
+from sherd.benchmark.datasets.shrec16 import shrec16_set
 from sherd.benchmark.match_benchmark import match_benchmark
 from sherd.benchmark.match_summary import summary_table
 from sherd.benchmark.metrics import (
@@ -18,8 +20,6 @@ from sherd.benchmark.metrics import (
     region_overlap,
     vertex_mask,
 )
-from sherd.benchmark.pairs import BenchmarkSettings
-from sherd.benchmark.shrec16 import shrec16_set
 from sherd.errors import OptionError
 from sherd.files.mesh_files import write_mesh
 from sherd.mesh.surface_points import SurfacePoints, points_at_vertices

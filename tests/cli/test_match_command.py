@@ -14,7 +14,7 @@ import pytest
 
 from sherd.files.mesh_files import read_mesh, write_mesh
 from sherd.mesh.triangle_mesh import TriangleMesh
-from sherd.report.folder import folder_problems
+from sherd.report.stored.folder import folder_problems
 from sherd.shapes.creature import creature, landmarks
 from sherd.shapes.fragment import Fragment, cut_by_ball, moved, remeshed, whole
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import trimesh
-
-from sherd.correspondence.confidence import COEFFICIENTS, FEATURES, confidences, laid_double
 from sherd.correspondence.part_data import part_data
 from sherd.correspondence.point_map import PointMap
+
+from sherd.correspondence.confidence import COEFFICIENTS, FEATURES, confidences, laid_double
 from sherd.correspondence.registration import Placement
 from sherd.errors import InvalidMeshError
 from sherd.mesh.triangle_mesh import TriangleMesh

@@ -16,9 +16,9 @@ from sherd.files.mesh_files import read_mesh
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.report.colors import correspondence_layer
 from sherd.report.exhibit import Exhibit, Partner
-from sherd.report.folder import folder_problems
 from sherd.report.known_layers import file_layers, located_part_layers, stored_layers
-from sherd.report.stored_match import read_match
+from sherd.report.stored.folder import folder_problems
+from sherd.report.stored.stored_match import read_match
 
 __all__ = ["read_exhibit"]
 
