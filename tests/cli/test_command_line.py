@@ -5,9 +5,7 @@ from __future__ import annotations
 import csv
 import hashlib
 import json
-import os
 import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -20,17 +18,6 @@ from sherd.shapes.fragment import cut_by_ball, decimated, whole
 from sherd.spectral.sampling import decimate
 
 FILES = ("region.csv", "region.ply", "part.ply", "region.png", "report.html", "result.json")
-
-
-def run(*arguments: object, **settings: str) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        [sys.executable, "-m", "sherd", *map(str, arguments)],
-        capture_output=True,
-        text=True,
-        timeout=240,
-        env={**os.environ, **settings},
-        check=False,
-    )
 
 
 @pytest.fixture(scope="module")
@@ -49,7 +36,7 @@ def pair(tmp_path_factory) -> tuple[Path, Path]:
 
 
 @pytest.fixture(scope="module")
-def located(pair, tmp_path_factory) -> tuple[Path, subprocess.CompletedProcess[str]]:
+def located(run, pair, tmp_path_factory) -> tuple[Path, subprocess.CompletedProcess[str]]:
     out = tmp_path_factory.mktemp("located") / "new" / "folder"
     return out, run("locate", *pair, "-o", out, "--json")
 
@@ -86,12 +73,12 @@ def test_numbers_agree_between_files(located, pair) -> None:
     assert full.vertex_areas[inside].sum() == pytest.approx(part.area, rel=0.02)
 
 
-def test_same_command_same_bytes(located, pair, tmp_path) -> None:
+def test_same_command_same_bytes(run, located, pair, tmp_path) -> None:
     run("locate", *pair, "-o", tmp_path)
     assert (tmp_path / "region.csv").read_bytes() == (located[0] / "region.csv").read_bytes()
 
 
-def test_output_is_numbered_as_the_file_whatever_repair_did(pair, tmp_path) -> None:
+def test_output_is_numbered_as_the_file_whatever_repair_did(run, pair, tmp_path) -> None:
     """Unreferenced vertices and a doubled face: rows for all vertices, and a visible notice."""
     full = read_mesh(pair[0])
     extra = np.concatenate([[[9.0, 9, 9]], full.vertices])
@@ -121,7 +108,7 @@ def test_output_is_numbered_as_the_file_whatever_repair_did(pair, tmp_path) -> N
     ],
 )
 @pytest.mark.parametrize("side", ["full", "part"])
-def test_bad_files_end_in_one_line(content, words, side, pair, tmp_path) -> None:
+def test_bad_files_end_in_one_line(run, content, words, side, pair, tmp_path) -> None:
     bad = tmp_path / "bad.off"
     if content is not None:
         bad.write_bytes(content)
@@ -134,14 +121,14 @@ def test_bad_files_end_in_one_line(content, words, side, pair, tmp_path) -> None
     assert not (tmp_path / "out").exists()
 
 
-def test_part_larger_than_full_is_refused(pair, tmp_path) -> None:
+def test_part_larger_than_full_is_refused(run, pair, tmp_path) -> None:
     done = run("locate", pair[1], pair[0], "-o", tmp_path / "out")
     assert done.returncode == 3
     assert "swapped" in done.stderr
     assert not (tmp_path / "out").exists()
 
 
-def test_huge_coordinates_and_quads(pair, tmp_path) -> None:
+def test_huge_coordinates_and_quads(run, pair, tmp_path) -> None:
     full, part = read_mesh(pair[0]), read_mesh(pair[1])
     shift = np.array([0.0, 0, 0])
     write_mesh(full.with_vertices(full.vertices * 1e9 + shift), tmp_path / "full.ply")
@@ -155,14 +142,14 @@ def test_huge_coordinates_and_quads(pair, tmp_path) -> None:
     assert "triangles" in done.stderr
 
 
-def test_output_that_cannot_be_written(pair, tmp_path) -> None:
+def test_output_that_cannot_be_written(run, pair, tmp_path) -> None:
     (tmp_path / "file").write_text("in the way")
     done = run("locate", *pair, "-o", tmp_path / "file")
     assert done.returncode == 5
     assert "cannot be written" in done.stderr
 
 
-def test_usage_errors(pair, tmp_path) -> None:
+def test_usage_errors(run, pair, tmp_path) -> None:
     assert run("locate", pair[0]).returncode == 2
     assert run("nonsense").returncode == 2
     done = run("locate", *pair, "-o", tmp_path / "out", "--basis-size", "1")
@@ -170,19 +157,19 @@ def test_usage_errors(pair, tmp_path) -> None:
     assert "basis_size is 1" in done.stderr
 
 
-def test_internal_errors_are_one_line(pair, tmp_path, monkeypatch) -> None:
+def test_internal_errors_are_one_line(run, pair, tmp_path) -> None:
     (tmp_path / "sitecustomize.py").write_text(
         "import sherd.region.locate as m\n"
         "def broken(*a, **k): raise RuntimeError('boom')\n"
         "m.locate = broken\n"
     )
-    done = run("locate", *pair, "-o", tmp_path / "out", PYTHONPATH=str(tmp_path))
+    done = run("locate", *pair, "-o", tmp_path / "out", modules=tmp_path)
     assert done.returncode == 70
     assert "internal error: RuntimeError: boom" in done.stderr
     assert "Traceback" not in done.stderr
 
 
-def test_check_says_usable_repairable_or_not(pair, tmp_path) -> None:
+def test_check_says_usable_repairable_or_not(run, pair, tmp_path) -> None:
     assert run("check", pair[0]).returncode == 0
     full = read_mesh(pair[0])
     doubled = TriangleMesh(full.vertices, np.concatenate([full.faces, full.faces[:3]]))
@@ -198,7 +185,7 @@ def test_check_says_usable_repairable_or_not(pair, tmp_path) -> None:
     assert json.loads(done.stdout)["usable"] == "unusable"
 
 
-def test_help_is_instant_and_on_one_screen() -> None:
+def test_help_is_instant_and_on_one_screen(run) -> None:
     done = run("--help")
     assert done.returncode == 0
     assert len(done.stdout.splitlines()) <= 30
