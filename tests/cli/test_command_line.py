@@ -128,13 +128,19 @@ def test_part_larger_than_full_is_refused(run, pair, tmp_path) -> None:
     assert not (tmp_path / "out").exists()
 
 
-def test_huge_coordinates_and_quads(run, pair, tmp_path) -> None:
-    full, part = read_mesh(pair[0]), read_mesh(pair[1])
-    shift = np.array([0.0, 0, 0])
-    write_mesh(full.with_vertices(full.vertices * 1e9 + shift), tmp_path / "full.ply")
-    write_mesh(part.with_vertices(part.vertices * 1e9), tmp_path / "part.ply")
+def test_huge_coordinates_and_quads(run, located, pair, tmp_path) -> None:
+    for file, name in zip(pair, ("full.ply", "part.ply"), strict=True):
+        mesh = read_mesh(file)
+        write_mesh(mesh.with_vertices(mesh.vertices * 1e9), tmp_path / name)
     done = run("locate", tmp_path / "full.ply", tmp_path / "part.ply", "-o", tmp_path / "out")
     assert done.returncode == 0, done.stderr
+    usual, huge = (
+        np.loadtxt(folder / "region.csv", delimiter=",", skiprows=1)
+        for folder in (located[0], tmp_path / "out")
+    )
+    # 1e9 is no power of two: coordinates are rounded, and the last digits of all that follows
+    np.testing.assert_allclose(huge[:, 1], usual[:, 1], atol=0.05)
+    assert (huge[:, 2] != usual[:, 2]).mean() < 0.005
     quad = tmp_path / "quad.off"
     quad.write_text("OFF\n4 1 0\n0 0 0\n.1 0 0\n.1 .1 0\n0 .1 0\n4 0 1 2 3\n")
     done = run("locate", pair[0], quad, "-o", tmp_path / "quad")
@@ -185,9 +191,12 @@ def test_check_says_usable_repairable_or_not(run, pair, tmp_path) -> None:
     assert json.loads(done.stdout)["usable"] == "unusable"
 
 
-def test_help_is_instant_and_on_one_screen(run) -> None:
-    done = run("--help")
+def test_help_loads_nothing_slow_and_is_on_one_screen(run) -> None:
+    done = run("--help", PYTHONPROFILEIMPORTTIME="1")
     assert done.returncode == 0
+    loaded = {line.rpartition("|")[2].strip().split(".")[0] for line in done.stderr.splitlines()}
+    assert {"click", "sherd"} <= loaded
+    assert not loaded & {"numpy", "numba", "scipy", "trimesh", "PIL"}
     assert len(done.stdout.splitlines()) <= 30
     assert "sherd locate template.ply scan.ply -o out/" in done.stdout
     assert run("--version").stdout.strip().startswith("sherd, version")

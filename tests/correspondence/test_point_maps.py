@@ -6,7 +6,14 @@ import numpy as np
 import pytest
 import trimesh
 
-from sherd.correspondence.confidence import COEFFICIENTS, FEATURES, confidences, laid_double
+from sherd.correspondence.confidence import (
+    COEFFICIENTS,
+    FEATURES,
+    LEAST,
+    MOST,
+    confidences,
+    laid_double,
+)
 from sherd.correspondence.part_data import part_data
 from sherd.correspondence.point_map import PointMap
 from sherd.correspondence.registration import Placement
@@ -39,12 +46,16 @@ def test_wrong_rows_are_named(matched: list[bool], confidence: list[float], mess
 
 def test_confidence_falls_with_every_sign_of_trouble() -> None:
     assert len(COEFFICIENTS) == len(FEATURES)
-    calm = np.zeros((1, len(FEATURES)))
-    calm[0, 0] = 1.0
+    calm = np.eye(1, len(FEATURES))
+    assert confidences(calm)[0] == MOST
+    # a bit of everything, so that neither end is reached and each sign tells
+    doubtful = np.full((1, len(FEATURES)), 0.1)
+    doubtful[0, 0] = 1.0
     for column in range(1, len(FEATURES)):
-        worse = calm.copy()
-        worse[0, column] = 0.2
-        assert confidences(worse)[0] <= confidences(calm)[0]
+        worse = doubtful.copy()
+        worse[0, column] += 0.05
+        assert LEAST < confidences(worse)[0] < confidences(doubtful)[0] < MOST
+    assert confidences(np.ones((1, len(FEATURES))))[0] == LEAST
 
 
 def test_two_pieces_on_one_place_are_laid_double() -> None:
