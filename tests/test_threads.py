@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 
@@ -32,6 +33,16 @@ def test_every_row_is_visited_once(threads: int, count: int) -> None:
 
     over_rows(kernel, count, visited)
     assert (visited == 1).all()
+
+
+def test_as_many_slices_as_threads_are_worked_on_at_once(threads: int) -> None:
+    """Each waits until all threads are at work; one thread after the other waits in vain."""
+    together = threading.Barrier(threads, timeout=30)
+
+    def kernel(rows: tuple[int, int]) -> None:
+        together.wait()
+
+    over_rows(kernel, 1000)
 
 
 def test_errors_reach_the_caller(threads: int) -> None:

@@ -132,16 +132,17 @@ def test_refusals(animal) -> None:
 
 
 @pytest.mark.parametrize(
-    ("method", "descriptor"),
+    ("method", "descriptor", "overlap"),
     [
-        ("logistic", "shot"),
-        ("subspace", "hks"),
-        ("subspace", "wks"),
-        ("exponential", "shot"),
-        ("full", "shot"),
+        # measured: 0.97, 0.97, 0.46, 0.82, 0.80; by chance half an animal overlaps by 0.31
+        ("logistic", "shot", 0.9),
+        ("subspace", "hks", 0.9),
+        ("subspace", "wks", 0.4),  # forty eigenfunctions hold few waves
+        ("exponential", "shot", 0.7),
+        ("full", "shot", 0.7),
     ],
 )
-def test_integral_matching_answers_in_bounds(coarse, method, descriptor) -> None:
+def test_integral_matching_finds_the_front(coarse, method, descriptor, overlap) -> None:
     rounds = {"iterations": 2} if method in {"subspace", "full"} else {}
     options = LocateOptions(
         method=method, descriptor=descriptor, basis_size=40, vocabulary_size=40, **rounds
@@ -151,7 +152,7 @@ def test_integral_matching_answers_in_bounds(coarse, method, descriptor) -> None
     assert check.lowest >= 0
     assert check.highest <= 1
     assert abs(check.area_error) < 0.05
-    assert region.options.phase_width > 0
+    assert iou(region, coarse) > overlap
 
 
 def test_logistic_with_words_finds_the_front(coarse) -> None:
