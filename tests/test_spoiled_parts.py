@@ -33,6 +33,8 @@ from sherd.shapes.fragment import (
     with_flipped_faces,
 )
 from sherd.spectral.geodesics import Geodesics
+from sherd.surface.template import Template
+from sherd.surface.working import canonical, working_surface
 
 CASES = max(1, int(os.environ.get("SHERD_FUZZ_CASES", "60")) // 20)
 
