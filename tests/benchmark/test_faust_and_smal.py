@@ -11,6 +11,7 @@ import pytest
 from click.testing import CliRunner
 from scipy.spatial import cKDTree
 
+from sherd.scan.intake import Intake
 from sherd.benchmark import match_measurement
 from sherd.benchmark.datasets.faust import faust_pairs, faust_set
 from sherd.benchmark.datasets.landmark_truth import landmark_map
@@ -24,7 +25,7 @@ from sherd.benchmark.match_summary import summary, summary_table
 from sherd.cli.main import main
 from sherd.errors import InputError, MeshFileError, OptionError
 from sherd.files.mesh_files import write_mesh
-from sherd.match import MatchOptions
+from sherd.results.match_options import MatchOptions
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.shapes.creature import creature
@@ -262,8 +263,8 @@ def test_the_method_is_told_no_more_than_it_should_be(animals, monkeypatch) -> N
     (source,) = smal_pairs(animals[0])
     asked = []
 
-    def ask(_: object, part: TriangleMesh, options: MatchOptions) -> None:
-        asked.append((part, options))
+    def ask(_: object, part: Intake, options: MatchOptions) -> None:
+        asked.append((part.original, options))
         raise RuntimeError
 
     monkeypatch.setattr(match_measurement, "match", ask)
