@@ -35,6 +35,13 @@ class SurfacePoints:
     ------
     InvalidMeshError
         If the shapes differ, a weight is outside [0, 1] or a row does not sum to 1.
+
+    Examples
+    --------
+    >>> middle = SurfacePoints([0], [[0.5, 0.5, 0.0]])
+    >>> triangle = TriangleMesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+    >>> middle.positions(triangle).tolist()
+    [[0.5, 0.0, 0.0]]
     """
 
     faces: Ints

@@ -61,6 +61,11 @@ class MeshReport:
         What repair did, one entry a step; empty if unusable.
     usable
         As it is, after repair, or not at all.
+
+    Examples
+    --------
+    >>> inspect(TriangleMesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])).usable
+    'usable'
     """
 
     name: str

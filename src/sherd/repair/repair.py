@@ -60,6 +60,12 @@ class RepairReport:
         (n_new,) int, the old index of each new vertex.
     new_vertices
         (n_old,) int, the new index of each old vertex, -1 if it belongs to no face any more.
+
+    Examples
+    --------
+    >>> _, report = repair(TriangleMesh([[0, 0, 0], [1, 0, 0], [0, 1, 0], [9, 9, 9]], [[0, 1, 2]]))
+    >>> report.changed, report.new_vertices.tolist()
+    (True, [0, 1, 2, -1])
     """
 
     steps: tuple[RepairStep, ...]

@@ -57,6 +57,15 @@ def show(result: MatchResult | LocateResult | Exhibit, *, height: int = 900) -> 
         Of :func:`sherd.match` or :func:`sherd.locate`.
     height
         Of the frame, in pixels.
+
+    Examples
+    --------
+    >>> from sherd.locate import locate
+    >>> from sherd.shapes import creature, cut_by_ball, whole
+    >>> full = creature(5000)
+    >>> result = locate(full, cut_by_ball(whole(creature(5000, pose="walk"), full), 0, 0.5).mesh)
+    >>> show(result, height=600).height
+    600
     """
     return Shown(page(exhibit_of(result)), height)
 
@@ -81,5 +90,14 @@ def plot(
     ------
     OptionError
         If the result has no such layer or the width is too small.
+
+    Examples
+    --------
+    >>> from sherd.locate import locate
+    >>> from sherd.shapes import creature, cut_by_ball, whole
+    >>> full = creature(5000)
+    >>> result = locate(full, cut_by_ball(whole(creature(5000, pose="walk"), full), 0, 0.5).mesh)
+    >>> plot(result, width=800).width
+    800
     """
     return picture(exhibit_of(result), layer=layer, width=width)

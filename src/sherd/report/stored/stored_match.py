@@ -55,7 +55,7 @@ def read_match(folder: str | os.PathLike[str]) -> MatchResult:
     >>> read_match("nowhere")
     Traceback (most recent call last):
         ...
-    sherd.errors.InputError: nowhere: there is no such folder; give one that sherd wrote
+    sherd.errors.InputError: nowhere holds no result.json: nothing was finished there; run again
     """
     path = Path(folder)
     problems = folder_problems(path)
