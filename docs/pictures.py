@@ -10,12 +10,12 @@ import shutil
 from pathlib import Path
 
 from PIL import Image
+from sherd.report.region_report import region_exhibit
 
 import sherd
 from sherd.cli.demo import demo_fragment
+from sherd.report.drawing.picture import picture, stage
 from sherd.report.match_report import match_exhibit, match_result, write_match_report
-from sherd.report.picture import picture, stage
-from sherd.report.region_report import region_exhibit
 from sherd.spectral.surface_distances import SurfaceDistances
 
 IMAGES = Path(__file__).parent / "images"

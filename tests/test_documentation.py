@@ -27,6 +27,12 @@ def blocks(language: str) -> list[tuple[str, str]]:
     return found
 
 
+def test_blocks_are_found() -> None:
+    """Without any, the tests below would have no cases and be skipped."""
+    assert len(blocks("python")) >= 8
+    assert sum("sherd " in text for _, text in blocks("")) >= 8
+
+
 @pytest.mark.parametrize(("page", "code"), blocks("python"))
 def test_python_blocks_run(page: str, code: str, tmp_path, monkeypatch) -> None:
     monkeypatch.chdir(tmp_path)

@@ -13,7 +13,7 @@ import pytest
 from sherd.errors import OutputError
 from sherd.files.mesh_files import write_mesh
 from sherd.output import ResultFolder
-from sherd.report.folder import folder_problems
+from sherd.report.stored.folder import folder_problems
 from sherd.shapes.creature import creature
 
 NAMES = ("a.csv", "b.ply", "report.html")
@@ -125,15 +125,23 @@ def test_a_full_disk_is_said_in_one_line_and_changes_nothing(tmp_path) -> None:
     assert sorted(path.name for path in tmp_path.iterdir()) == ["animal.ply", "mended.ply"]
 
 
-# A process that starts with this module on its path gets Ctrl-C once it asks for geodesics.
+# A process that starts with this module on its path gets Ctrl-C once it asks for geodesics. Shells
+# start background jobs with SIGINT ignored, and that is inherited; a terminal does not ignore it.
 INTERRUPTING = """
 import os, signal, time
+signal.signal(signal.SIGINT, signal.default_int_handler)
 import sherd.spectral.geodesics as geodesics
 def interrupted(*arguments, **options):
     os.kill(os.getpid(), signal.SIGINT)
     time.sleep(5)
 geodesics.Geodesics.__init__ = interrupted
 """
+
+
+def before_all(folder: Path) -> str:
+    """The search path for modules of a process that looks in `folder` first."""
+    usual = os.environ.get("PYTHONPATH")
+    return str(folder) if usual is None else f"{folder}{os.pathsep}{usual}"
 
 
 @pytest.mark.parametrize("command", ["locate", "match"])
@@ -145,7 +153,7 @@ def test_control_c_ends_with_130_and_leaves_nothing(tmp_path, command) -> None:
     process = subprocess.Popen(
         [sys.executable, "-m", "sherd", command, str(mesh), str(mesh), "-o", str(tmp_path / "out")],
         stderr=subprocess.PIPE, text=True,
-        env={**os.environ, "PYTHONPATH": str(tmp_path)},
+        env={**os.environ, "PYTHONPATH": before_all(tmp_path)},
     )  # fmt: skip
     _, said = process.communicate(timeout=120)
     assert process.returncode == 130

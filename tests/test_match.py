@@ -7,14 +7,20 @@ import pytest
 import trimesh
 
 from sherd.errors import InfeasibleError, OptionError
-from sherd.match import MatchOptions, MatchResult, MatchStatus, match
+from sherd.match import match
 from sherd.mesh.triangle_mesh import TriangleMesh
+from sherd.results.match_options import MatchOptions
+from sherd.results.match_result import MatchResult
+from sherd.results.status import Status
 from sherd.shapes.creature import creature
 from sherd.shapes.fragment import Fragment, cut_by_ball, moved, remeshed, reordered, scaled, whole
-from sherd.template import Template
+from sherd.surface.template import Template
 
-VERTICES = 5_000  # the smallest animal
-CENTER = 100
+VERTICES = 5_000  # the smallest animal; its edges are 0.015 sqrt(area) long
+CENTER, RADIUS = 100, 0.6  # of sqrt(area): 44 % of the animal, its rear
+# Two thirds of an edge: the mean errors measured below were 0.004 to 0.006.
+GOOD = 0.01
+MIRROR = np.array([1.0, -1.0, 1.0])
 
 
 @pytest.fixture(scope="module")
@@ -26,7 +32,7 @@ def template() -> Template:
 def piece(template: Template) -> Fragment:
     """Half an animal in another pose, meshed anew and turned."""
     posed = whole(creature(VERTICES, pose="walk"), template.full)
-    cut = cut_by_ball(posed, CENTER, 0.4 * template.full.length)
+    cut = cut_by_ball(posed, CENTER, RADIUS)
     return moved(remeshed(cut, 0.9), np.random.default_rng(1))
 
 
@@ -37,25 +43,26 @@ def result(template: Template, piece: Fragment) -> MatchResult:
 
 def errors(fragment: Fragment, found: MatchResult) -> np.ndarray:
     full = fragment.full
-    gap = found.point_map.points.positions(full) - fragment.truth.positions(full)
+    gap = found.points.positions(full) - fragment.truth.positions(full)
     return np.linalg.norm(gap, axis=1) / full.length
 
 
 def test_answers_are_near_the_truth_and_know_it(piece: Fragment, result: MatchResult) -> None:
     error = errors(piece, result)
-    assert error.mean() < 0.015
-    confidence = result.point_map.confidence
-    assert abs(confidence.mean() - (error < 0.05).mean()) < 0.15
-    assert result.status is MatchStatus.GOOD
-    assert result.point_map.matched.mean() > 0.95
+    assert error.mean() < GOOD
+    assert error.max() < 0.05  # what confidence promises; 0.025 was measured
+    assert result.confidence.mean() > 0.95
+    assert result.status is Status.GOOD
+    assert result.matched.mean() > 0.99  # all belong to the animal
 
 
 def test_the_region_is_the_true_one_and_agrees_with_the_map(
     piece: Fragment, result: MatchResult
 ) -> None:
-    areas, truth, mask = piece.full.vertex_areas, piece.region, result.region.mask
-    assert areas[mask & truth].sum() / areas[mask | truth].sum() > 0.9
-    hit = result.point_map.points.nearest_vertices(piece.full)
+    areas, truth, mask = piece.full.vertex_areas, piece.region, result.best.mask
+    # a row of vertices along the whole cut is 0.01 of the region; 0.996 was measured
+    assert areas[mask & truth].sum() / areas[mask | truth].sum() > 0.98
+    hit = result.points.nearest_vertices(piece.full)
     assert mask[hit].mean() > 0.9  # along the cut a vertex may be hit and less than half covered
     assert result.check().passed
 
@@ -69,7 +76,7 @@ def test_order_of_vertices_motion_and_unit_do_not_matter(
     big = Template(template.full.with_vertices(unit * template.full.vertices))
     found = match(big, scaled(other, unit).mesh)
     error = errors(Fragment(other.mesh, other.truth, template.full, other.present), found)
-    assert abs(error.mean() - errors(piece, result).mean()) < 0.005
+    assert abs(error.mean() - errors(piece, result).mean()) < 0.001  # samples are taken anew
     assert found.scale == 1.0
 
 
@@ -77,19 +84,20 @@ def test_the_same_question_has_the_same_answer_bit_for_bit(
     template: Template, piece: Fragment, result: MatchResult
 ) -> None:
     again = match(template, piece.mesh)
-    assert np.array_equal(again.point_map.faces, result.point_map.faces)
-    assert np.array_equal(again.point_map.barycentric, result.point_map.barycentric)
-    assert np.array_equal(again.point_map.confidence, result.point_map.confidence)
-    assert again.scores == result.scores
+    assert np.array_equal(again.points.faces, result.points.faces)
+    assert np.array_equal(again.points.barycentric, result.points.barycentric)
+    assert np.array_equal(again.confidence, result.confidence)
+    assert again.best.score == result.best.score
+    assert (again.second_score, again.twin_score) == (result.second_score, result.twin_score)
 
 
 def test_the_full_shape_itself_maps_to_itself(template: Template) -> None:
     full = template.full
     found = match(template, full)
-    gap = found.point_map.points.positions(full) - full.vertices
+    gap = found.points.positions(full) - full.vertices
     assert np.linalg.norm(gap, axis=1).mean() / full.length < 0.002
-    assert found.region.mask.mean() > 0.995  # at the tips a vertex may be half covered
-    assert found.scores["best"] > 0.9
+    assert found.best.mask.mean() > 0.995  # at the tips a vertex may be half covered
+    assert found.best.score > 0.9
 
 
 def test_parts_of_something_else_score_low(template: Template, result: MatchResult) -> None:
@@ -99,41 +107,58 @@ def test_parts_of_something_else_score_low(template: Template, result: MatchResu
         foreign = TriangleMesh(torus.vertices, torus.faces)
         size = 0.6 * template.full.length / foreign.length
         found.append(match(template, foreign.with_vertices(size * foreign.vertices)))
-    assert max(other.scores["best"] for other in found) < result.scores["best"] - 0.2
+    assert max(other.best.score for other in found) < result.best.score - 0.2
     # two placements of a torus may agree by chance
-    assert sum(other.status is MatchStatus.DOUBTFUL for other in found) >= 2
-    sure = np.mean([other.point_map.confidence.mean() for other in found])
-    assert sure < 0.5 * result.point_map.confidence.mean()
+    assert sum(other.status is Status.DOUBTFUL for other in found) >= 2
+    sure = np.mean([other.confidence.mean() for other in found])
+    assert sure < 0.5 * result.confidence.mean()
 
 
 def test_unknown_scale_is_estimated(template: Template, piece: Fragment) -> None:
     small = scaled(piece, 0.6)
     found = match(template, small.mesh, MatchOptions(scale="unknown"))
     assert abs(np.log(found.scale * 0.6)) < 0.05
-    assert errors(small, found).mean() < 0.025
+    assert errors(small, found).mean() < GOOD
 
 
-def test_landmarks_and_ignored_vertices_are_honored(template: Template, piece: Fragment) -> None:
-    near = piece.truth.nearest_vertices(template.full)
+def test_a_landmark_is_obeyed_even_where_it_is_wrong(template: Template, piece: Fragment) -> None:
+    """Five edges away from the truth, where no match would put it unasked."""
+    full = template.full
     pinned = int(np.argmax(piece.mesh.vertices[:, 0]))
-    ignored = np.flatnonzero(
-        piece.mesh.vertices[:, 1] > np.quantile(piece.mesh.vertices[:, 1], 0.95)
-    )
-    ignored = np.setdiff1d(ignored, [pinned])
-    options = MatchOptions(landmarks=((pinned, int(near[pinned])),), ignore=tuple(ignored))
-    found = match(template, piece.mesh, options)
-    assert errors(piece, found)[pinned] < 0.02
-    assert not found.point_map.matched[ignored].any()
-    assert (found.point_map.confidence[ignored] == 0).all()
-    kept = np.setdiff1d(np.arange(piece.mesh.vertex_count), ignored)
-    assert errors(piece, found)[kept].mean() < 0.015
+    away = np.linalg.norm(full.vertices - piece.truth.positions(full)[pinned], axis=1) / full.length
+    target = int(np.abs(away - 0.08).argmin())
+    found = match(template, piece.mesh, MatchOptions(landmarks=((pinned, target),)))
+    place = found.points.positions(full)[pinned]
+    assert np.linalg.norm(place - full.vertices[target]) / full.length < 0.02
+    assert errors(piece, found).mean() < GOOD  # its surroundings stay where they belong
 
 
-def test_the_mirrored_twin_of_a_symmetric_animal_is_an_alternative(result: MatchResult) -> None:
-    twins = [other for other in result.alternatives if other.mirrored]
-    assert len(twins) == 1
-    assert twins[0].score <= result.scores["best"] + 0.1
-    assert twins[0].mask.shape == result.region.mask.shape
+def test_ignored_vertices_are_not_matched_and_the_rest_is(
+    template: Template, piece: Fragment
+) -> None:
+    height = piece.mesh.vertices[:, 1]
+    ignored = height > np.quantile(height, 0.95)
+    found = match(template, piece.mesh, MatchOptions(ignore=tuple(np.flatnonzero(ignored))))
+    assert not found.matched[ignored].any()
+    assert (found.confidence[ignored] == 0).all()
+    assert found.matched[~ignored].mean() > 0.99
+    assert errors(piece, found)[~ignored].mean() < GOOD
+
+
+def test_the_mirrored_twin_of_a_symmetric_animal_is_an_alternative(
+    piece: Fragment, result: MatchResult
+) -> None:
+    """Left and right of the animal differ by 0.03 at hooves and ears, so the twin is a bit off."""
+    (twin,) = (other for other in result.alternatives if other.mirrored)
+    assert twin.score < result.best.score
+    assert twin.mask.shape == result.best.mask.shape
+    full, truth = piece.full, piece.truth.positions(piece.full)
+    off = [
+        np.linalg.norm(points.positions(full) * MIRROR - truth, axis=1).mean() / full.length
+        for points in (twin.points, result.points)
+    ]
+    assert off[0] < 0.05  # 0.029 was measured
+    assert off[1] > 0.1  # and 0.136 for the placement that is not mirrored
 
 
 @pytest.mark.parametrize(
@@ -155,7 +180,7 @@ def test_hints_that_do_not_exist_and_parts_that_do_not_fit(template: Template) -
     full = template.full
     with pytest.raises(OptionError, match="landmarks names vertex 99999 of the part"):
         match(template, full, MatchOptions(landmarks=((99_999, 0),)))
-    with pytest.raises(InfeasibleError, match="swap them"):
+    with pytest.raises(InfeasibleError, match="are the two swapped"):
         match(template, full.with_vertices(2 * full.vertices))
     with pytest.raises(InfeasibleError, match="1e-12 times the area"):
         match(template, full.with_vertices(1e-6 * full.vertices))

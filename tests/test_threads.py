@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 
@@ -11,7 +12,7 @@ import pytest
 from sherd.match import match
 from sherd.shapes.creature import creature
 from sherd.shapes.fragment import cut_by_ball, whole
-from sherd.template import Template
+from sherd.surface.template import Template
 from sherd.threads import over_rows, set_thread_count, thread_count
 
 
@@ -34,6 +35,16 @@ def test_every_row_is_visited_once(threads: int, count: int) -> None:
     assert (visited == 1).all()
 
 
+def test_as_many_slices_as_threads_are_worked_on_at_once(threads: int) -> None:
+    """Each waits until all threads are at work; one thread after the other waits in vain."""
+    together = threading.Barrier(threads, timeout=30)
+
+    def kernel(rows: tuple[int, int]) -> None:
+        together.wait()
+
+    over_rows(kernel, 1000)
+
+
 def test_errors_reach_the_caller(threads: int) -> None:
     def kernel(rows: tuple[int, int]) -> None:
         if rows[1] == 100:
@@ -50,9 +61,9 @@ def test_matches_at_the_same_time_are_those_one_after_the_other() -> None:
         cut_by_ball(whole(creature(5000, pose=pose), template.full), 0, 0.4).mesh
         for pose in ("walk", "sit")
     ]
-    alone = [match(template, part).point_map.points for part in parts]
+    alone = [match(template, part).points for part in parts]
     with ThreadPoolExecutor(2) as pool:
-        together = list(pool.map(lambda part: match(template, part).point_map.points, parts))
+        together = list(pool.map(lambda part: match(template, part).points, parts))
     for one, two in zip(alone, together, strict=True):
         assert (one.faces == two.faces).all()
         assert np.array_equal(one.barycentric, two.barycentric)

@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from sherd.repair.inspection import MeshReport, inspect
     from sherd.repair.repair import RepairReport, repair
     from sherd.report.notebook import plot, show
-    from sherd.report.stored_match import read_match
+    from sherd.report.stored.stored_match import read_match
     from sherd.report.write import write_report
     from sherd.results.locate_options import LocateOptions
     from sherd.results.locate_result import LocateResult
@@ -75,7 +75,7 @@ _HOMES = {
     "locate": "sherd.locate",
     "match": "sherd.match",
     "plot": "sherd.report.notebook",
-    "read_match": "sherd.report.stored_match",
+    "read_match": "sherd.report.stored.stored_match",
     "read_mesh": "sherd.files.mesh_files",
     "read_scan": "sherd.files.cloud_files",
     "repair": "sherd.repair.repair",

@@ -17,7 +17,7 @@ from sherd.correspondence.confidence import (
     share_laid_double,
 )
 from sherd.correspondence.hints import check_hints, pins_of, without_ignored, working_pins
-from sherd.correspondence.labeling import SAME_SCALE, UNKNOWN_SCALE
+from sherd.correspondence.labels.labeling import SAME_SCALE, UNKNOWN_SCALE
 from sherd.correspondence.placements import (
     anchor_labeling,
     mirrored_placement,

@@ -11,20 +11,21 @@ import pytest
 from click.testing import CliRunner
 from scipy.spatial import cKDTree
 
+from sherd.scan.intake import Intake
 from sherd.benchmark import match_measurement
-from sherd.benchmark.faust import faust_pairs, faust_set
-from sherd.benchmark.landmark_truth import landmark_map
+from sherd.benchmark.datasets.faust import faust_pairs, faust_set
+from sherd.benchmark.datasets.landmark_truth import landmark_map
+from sherd.benchmark.datasets.pairs import BenchmarkSettings
+from sherd.benchmark.datasets.random_cuts import CUTS, random_cut
+from sherd.benchmark.datasets.smal import smal_pairs, smal_set
 from sherd.benchmark.match_benchmark import match_benchmark
 from sherd.benchmark.match_measurement import measured
 from sherd.benchmark.match_row import MatchRow
 from sherd.benchmark.match_summary import summary, summary_table
-from sherd.benchmark.pairs import BenchmarkSettings
-from sherd.benchmark.random_cuts import CUTS, random_cut
-from sherd.benchmark.smal import smal_pairs, smal_set
 from sherd.cli.main import main
 from sherd.errors import InputError, MeshFileError, OptionError
 from sherd.files.mesh_files import write_mesh
-from sherd.match import MatchOptions
+from sherd.results.match_options import MatchOptions
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.shapes.creature import creature
@@ -202,15 +203,13 @@ def test_only_vertices_with_a_place_count_as_errors(animals, monkeypatch) -> Non
     pair = source.load()
 
     answer = SimpleNamespace(
-        point_map=SimpleNamespace(
-            points=pair.truth,
-            matched=pair.present,
-            confidence=np.where(pair.present, 0.9, 0.1),
-        ),
-        region=SimpleNamespace(mask=np.isin(np.arange(pair.full.vertex_count), table)),
+        points=pair.truth,
+        matched=pair.present,
+        confidence=np.where(pair.present, 0.9, 0.1),
+        best=SimpleNamespace(mask=np.isin(np.arange(pair.full.vertex_count), table), score=0.8),
         status=SimpleNamespace(name="GOOD"),
         scale=1.0,
-        scores={"best": 0.8, "mirrored twin": 0.2},
+        twin_score=0.2,
         timings={"anchors": 1.0},
     )
     monkeypatch.setattr(match_measurement, "match", lambda *_: answer)
@@ -222,7 +221,7 @@ def test_only_vertices_with_a_place_count_as_errors(animals, monkeypatch) -> Non
     counts = np.array(row.confidence)
     assert counts[9].tolist() == [pair.present.sum(), pytest.approx(0.9), 1.0]
     assert counts[1].tolist() == [(~pair.present).sum(), pytest.approx(0.1), 0.0]
-    answer.point_map.confidence = 1 - answer.point_map.confidence
+    answer.confidence = 1 - answer.confidence
     assert measured(source, BenchmarkSettings()).ranking == 0
 
 
@@ -264,8 +263,8 @@ def test_the_method_is_told_no_more_than_it_should_be(animals, monkeypatch) -> N
     (source,) = smal_pairs(animals[0])
     asked = []
 
-    def ask(_: object, part: TriangleMesh, options: MatchOptions) -> None:
-        asked.append((part, options))
+    def ask(_: object, part: Intake, options: MatchOptions) -> None:
+        asked.append((part.original, options))
         raise RuntimeError
 
     monkeypatch.setattr(match_measurement, "match", ask)

@@ -11,6 +11,8 @@ import pytest
 import trimesh
 
 from sherd.benchmark import match_benchmark as runner_of_match
+from sherd.benchmark.datasets.pairs import BenchmarkSettings
+from sherd.benchmark.datasets.shrec16 import shrec16_set
 from sherd.benchmark.match_benchmark import match_benchmark
 from sherd.benchmark.match_summary import summary_table
 from sherd.benchmark.metrics import (
@@ -18,14 +20,15 @@ from sherd.benchmark.metrics import (
     region_overlap,
     vertex_mask,
 )
-from sherd.benchmark.pairs import BenchmarkSettings
-from sherd.benchmark.shrec16 import shrec16_set
 from sherd.errors import OptionError
 from sherd.files.mesh_files import write_mesh
 from sherd.mesh.surface_points import SurfacePoints, points_at_vertices
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.shapes.creature import creature
 from sherd.shapes.fragment import Fragment, cut_by_ball, whole
+
+# Two thirds of an edge of the animal, in sqrt(area); 0.004 was measured, as a mesh and as points.
+GOOD = 0.01
 
 
 @pytest.fixture(scope="module")
@@ -47,11 +50,11 @@ def test_overlap_and_curve_by_hand(sphere: TriangleMesh) -> None:
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A data set in the layout of SHREC'16, with one part of a generated animal."""
+    """A data set in the layout of SHREC'16, with an eighth of a generated animal as the part."""
     home = tmp_path_factory.mktemp("data")
     full = creature(5_000)
     posed = whole(creature(5_000, pose="walk"), full)
-    part = cut_by_ball(posed, 50, 0.35 * full.length)
+    part = cut_by_ball(posed, 50, 0.5)
     (home / "null").mkdir()
     (home / "cuts").mkdir()
     write_mesh(full, home / "null" / "animal.off")
@@ -74,10 +77,11 @@ def test_a_run_measures_writes_and_resumes(
     document = match_benchmark(pairs, tmp_path)
     (row,) = document["rows"]
     assert row["pair"] == "cuts_animal_shape_1"
-    assert row["mean"] < 0.02
-    assert row["near"] > 0.9
-    assert row["iou"] > 0.9
-    assert row["iou_vertices"] > 0.8
+    assert row["mean"] < GOOD
+    assert row["near"] > 0.99
+    # a row of vertices along the cut is 0.05 of so small a region: 0.955 and 0.933 were measured
+    assert row["iou"] > 0.93
+    assert row["iou_vertices"] > 0.9
     assert row["flips"] is None  # no mirror map was given
     assert row["recognized"] is None  # every vertex has a place
     assert document["totals"]["cuts"]["pairs"] == 1
@@ -103,8 +107,8 @@ def test_parts_are_measured_as_points_alone(folder: Path, tmp_path: Path) -> Non
     settings = BenchmarkSettings(rotate=True, points=True)
     pairs = shrec16_set(folder, settings, kinds=("cuts",))
     document = match_benchmark(pairs, tmp_path)
-    assert document["rows"][0]["mean"] < 0.03
-    assert document["rows"][0]["coverage"] > 0.9
+    assert document["rows"][0]["mean"] < GOOD
+    assert document["rows"][0]["coverage"] > 0.98
     assert "parts as their points alone" in (tmp_path / "bench.html").read_text(encoding="utf-8")
 
 

@@ -26,19 +26,8 @@ LEAVES = [
 ]
 
 
-def run(*arguments: object, **settings: str) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        [sys.executable, "-m", "sherd", *map(str, arguments)],
-        capture_output=True,
-        text=True,
-        timeout=240,
-        env={**os.environ, **settings},
-        check=False,
-    )
-
-
 @pytest.fixture(scope="module")
-def located(tmp_path_factory) -> tuple[Path, subprocess.CompletedProcess[str]]:
+def located(run, tmp_path_factory) -> tuple[Path, subprocess.CompletedProcess[str]]:
     folder = tmp_path_factory.mktemp("manners")
     animal = creature(5000)
     piece = cut_by_ball(whole(animal, animal), landmarks(animal)["nose"], 0.6).mesh
@@ -99,7 +88,7 @@ def test_completion_knows_commands_and_choices() -> None:
         assert f"plain,{expected}" in done.stdout
 
 
-def test_quiet_says_nothing_and_exports_are_written(located) -> None:
+def test_quiet_says_nothing_and_exports_are_written(run, located) -> None:
     out, done = located
     assert done.returncode == 0
     assert done.stdout == done.stderr == ""
@@ -107,7 +96,7 @@ def test_quiet_says_nothing_and_exports_are_written(located) -> None:
     assert run("check", out / "part.ply", "--quiet").stdout == ""
 
 
-def test_view_draws_the_picture_again(located, tmp_path) -> None:
+def test_view_draws_the_picture_again(run, located, tmp_path) -> None:
     out, _ = located
     assert run("view", out, "--png", "-q", "-o", tmp_path / "a.png").stdout == ""
     with Image.open(out / "region.png") as stored, Image.open(tmp_path / "a.png") as again:
@@ -119,7 +108,7 @@ def test_view_draws_the_picture_again(located, tmp_path) -> None:
         assert picture.getpixel((2, 2))[3] == 0
 
 
-def test_view_names_the_report_when_nobody_looks(located, tmp_path) -> None:
+def test_view_names_the_report_when_nobody_looks(run, located, tmp_path) -> None:
     out, _ = located
     assert run("view", out).stdout.strip() == str((out / "report.html").resolve())
     assert run("view", tmp_path).returncode == 3
@@ -137,7 +126,7 @@ def test_view_opens_the_browser_on_a_terminal(located, monkeypatch) -> None:
     assert opened == [(located[0] / "report.html").resolve().as_uri()]
 
 
-def test_color_is_for_terminals_only(tmp_path) -> None:
+def test_color_is_for_terminals_only(run, tmp_path) -> None:
     missing = tmp_path / "missing.ply"
     assert "\x1b" not in run("check", missing).stderr
     reader, writer = pty.openpty()

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
-import os
 import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +12,7 @@ import pytest
 
 from sherd.files.mesh_files import read_mesh, write_mesh
 from sherd.mesh.triangle_mesh import TriangleMesh
-from sherd.report.folder import folder_problems
+from sherd.report.stored.folder import folder_problems
 from sherd.shapes.creature import creature, landmarks
 from sherd.shapes.fragment import Fragment, cut_by_ball, moved, remeshed, whole
 
@@ -22,13 +20,6 @@ FILES = {
     "correspondence.csv", "correspondence.corr", "region.csv", "full.ply", "part.ply",
     "match.png", "report.html", "result.json",
 }  # fmt: skip
-
-
-def run(*arguments: object) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        [sys.executable, "-m", "sherd", *map(str, arguments)],
-        capture_output=True, text=True, timeout=400, env=dict(os.environ), check=False,
-    )  # fmt: skip
 
 
 @pytest.fixture(scope="module")
@@ -61,7 +52,7 @@ def files(fragment, tmp_path_factory) -> tuple[Path, Path]:
 
 
 @pytest.fixture(scope="module")
-def matched(files, tmp_path_factory) -> tuple[Path, subprocess.CompletedProcess[str]]:
+def matched(run, files, tmp_path_factory) -> tuple[Path, subprocess.CompletedProcess[str]]:
     out = tmp_path_factory.mktemp("matched")
     folder = files[0].parent
     done = run(
@@ -106,7 +97,7 @@ def test_answers_are_in_the_numbering_of_the_files(matched, files, fragment) -> 
     assert int(corr[5].split()[0]) - 1 == int(rows[5]["full_face"]) or corr[5].startswith("-1")
 
 
-def test_template_is_made_once_and_refused_for_another_mesh(matched, files, tmp_path) -> None:
+def test_template_is_made_once_and_refused_for_another_mesh(run, matched, files, tmp_path) -> None:
     assert matched[1].returncode == 0
     template = files[0].parent / "template.npz"
     assert template.exists()
@@ -116,7 +107,7 @@ def test_template_is_made_once_and_refused_for_another_mesh(matched, files, tmp_
     assert not (tmp_path / "out").exists()
 
 
-def test_transfer_of_labels_landmarks_and_meshes(matched, files, fragment, tmp_path) -> None:
+def test_transfer_of_labels_landmarks_and_meshes(run, matched, files, fragment, tmp_path) -> None:
     out, full = matched[0], fragment.full
     labels = tmp_path / "labels.csv"
     side = (full.vertices[:, 0] > np.median(full.vertices[:, 0])).astype(int)
@@ -155,7 +146,7 @@ def test_transfer_of_labels_landmarks_and_meshes(matched, files, fragment, tmp_p
         ("--ground-truth", "1 1 0 0\n", "rows"),
     ],
 )
-def test_bad_hints_end_in_one_line(option, content, words, files, tmp_path) -> None:
+def test_bad_hints_end_in_one_line(run, option, content, words, files, tmp_path) -> None:
     hints = tmp_path / "hints.csv"
     if option == "--ground-truth":
         hints = tmp_path / "hints.baryc_gt"

@@ -6,7 +6,8 @@ import itertools
 
 import numpy as np
 
-from sherd.correspondence.message_passing_kernel import labeling_costs, pass_messages
+from sherd.correspondence.labels.labeling_data import Comparison, EdgeMeasures, FullGeometry
+from sherd.correspondence.labels.message_passing_kernel import labeling_costs, pass_messages
 
 
 def incidence(edges: np.ndarray, nodes: int) -> tuple[np.ndarray, np.ndarray]:
@@ -59,9 +60,15 @@ def test_pair_costs_follow_the_formula() -> None:
     labels = np.array([[0, 1], [1, 0]])
     rotations = np.array([[0.1, 0.0], [0.2, 0.0]], dtype=np.float32)
     pairs = np.array([[0.9, -0.4]], dtype=np.float32)
-    measures = np.array([[0.2, 0.2, 1.0, 2.0, 0.5]])
+    measures = EdgeMeasures(*np.array([[0.2, 0.2, 1.0, 2.0, 0.5]]).T)
     costs = labeling_costs(
-        edges, measures, labels, rotations, pairs, (distances, headings), (0.02, 0.1, 4.0, 1.0, 0.5)
+        edges,
+        measures,
+        labels,
+        rotations,
+        pairs,
+        FullGeometry(distances, headings),
+        Comparison(0.02, 0.1, 4.0, 1.0, 0.5),
     )
 
     def robust(x: float, limit: float = 4.0) -> float:
@@ -81,15 +88,17 @@ def test_paths_along_the_cut_may_shrink_on_the_full_shape_but_not_grow() -> None
     distances = np.array([[0.0, 0.2, 0.4], [0.2, 0.0, 0.3], [0.4, 0.3, 0.0]], dtype=np.float32)
     labels = np.array([[0, 0], [1, 2]])
     none = np.zeros((2, 2), dtype=np.float32)
-    measures = np.array([[0.3, 0.15, 0.0, 1.0, 0.0]])  # between 0.15 and 0.3 nothing is paid
+    measures = EdgeMeasures(
+        *np.array([[0.3, 0.15, 0.0, 1.0, 0.0]]).T
+    )  # between 0.15 and 0.3 nothing is paid
     costs = labeling_costs(
         np.array([[0, 1]]),
         measures,
         labels,
         none,
         none[:1],
-        (distances, np.zeros((3, 3, 2), dtype=np.float32)),
-        (0.02, 0.1, 4.0, 4.0, 0.5),
+        FullGeometry(distances, np.zeros((3, 3, 2), dtype=np.float32)),
+        Comparison(0.02, 0.1, 4.0, 4.0, 0.5),
     )
     assert costs[0, 0, 0] == 0.0
     assert costs[0, 0, 1] > 1.0

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sherd.correspondence.elastic_surface import WIDEST_GAP, elastic_surface
 from sherd.mesh.triangle_mesh import TriangleMesh
+from sherd.surface.elastic_surface import WIDEST_GAP, elastic_surface
 
 SPACING = 0.02
 

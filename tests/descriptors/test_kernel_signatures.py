@@ -73,7 +73,9 @@ def test_heat_kernel_has_no_unit(square) -> None:
     fields = []
     for factor in (1.0, 1000.0):
         mesh = square.with_vertices(square.vertices * factor)
-        surface = SpectralSurface(mesh, eigenbasis(mesh, 60), mesh.length, np.full(mesh.vertex_count, 1.0))
+        surface = SpectralSurface(
+            mesh, eigenbasis(mesh, 60), mesh.length, np.full(mesh.vertex_count, 1.0)
+        )
         fields.append(HeatKernel(times).describe(surface).values)
     np.testing.assert_allclose(fields[0], fields[1], rtol=1e-6)
 

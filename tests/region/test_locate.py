@@ -7,11 +7,11 @@ import pytest
 
 from sherd.benchmark.metrics import region_overlap
 from sherd.errors import InfeasibleError, OptionError
+from sherd.locate import locate
 from sherd.mesh.triangle_mesh import TriangleMesh
-from sherd.region.locate import locate
-from sherd.region.options import LocateOptions
-from sherd.region.region import Region
 from sherd.region.soft_match import MatchGeometry, soft_match
+from sherd.results.locate_options import LocateOptions
+from sherd.results.locate_result import LocateResult
 from sherd.shapes.creature import creature, landmarks
 from sherd.shapes.fragment import Fragment, cut_by_ball, moved, remeshed, reordered, scaled, whole
 from sherd.spectral.sampling import decimate
@@ -31,7 +31,7 @@ def front(animal) -> Fragment:
 
 
 @pytest.fixture(scope="module")
-def found(front) -> Region:
+def found(front) -> LocateResult:
     return locate(front.full, front.mesh)
 
 
@@ -46,7 +46,7 @@ def coarse(animal) -> Fragment:
     return cut_by_ball(whole(walking, small), nose, 0.7)
 
 
-def iou(region: Region, fragment: Fragment) -> float:
+def iou(region: LocateResult, fragment: Fragment) -> float:
     return region_overlap(fragment.full, region.mask, fragment.region)
 
 
@@ -56,7 +56,7 @@ def test_the_front_is_found(found, front) -> None:
     assert check.passed
     assert check.piece_count == 1
     assert check.decided > 0.9
-    assert found.status.succeeded
+    assert found.convergence.succeeded
     assert 0.8 < found.score <= 1
     assert set(found.working_vertices) == {"full", "part"}
     assert min(found.working_vertices.values()) > 1000
@@ -116,13 +116,15 @@ def test_part_in_two_pieces(animal) -> None:
 
 
 def test_refusals(animal) -> None:
-    large = animal.with_vertices(animal.vertices * 1.05)
-    with pytest.raises(InfeasibleError, match=r"1\.10. times the area"):
+    large = animal.with_vertices(animal.vertices * 1.2)
+    with pytest.raises(InfeasibleError, match=r"1\.44 times the area"):
         locate(animal, large)
     with pytest.raises(InfeasibleError, match=r"1e-12 times the area .* different units"):
         locate(animal, animal.with_vertices(1e-6 * animal.vertices))
     with pytest.raises(OptionError, match="method is 'magic'"):
         LocateOptions(method="magic")
+    with pytest.raises(OptionError, match="solver has no effect on method 'voting', only on subs"):
+        LocateOptions(solver="active-set")
     with pytest.raises(OptionError, match="basis_size is 1"):
         LocateOptions(basis_size=1)
     with pytest.raises(OptionError, match="regularity is -1"):
@@ -130,25 +132,27 @@ def test_refusals(animal) -> None:
 
 
 @pytest.mark.parametrize(
-    ("method", "descriptor"),
+    ("method", "descriptor", "overlap"),
     [
-        ("logistic", "shot"),
-        ("subspace", "hks"),
-        ("subspace", "wks"),
-        ("exponential", "shot"),
-        ("full", "shot"),
+        # measured: 0.97, 0.97, 0.46, 0.82, 0.80; by chance half an animal overlaps by 0.31
+        ("logistic", "shot", 0.9),
+        ("subspace", "hks", 0.9),
+        ("subspace", "wks", 0.4),  # forty eigenfunctions hold few waves
+        ("exponential", "shot", 0.7),
+        ("full", "shot", 0.7),
     ],
 )
-def test_integral_matching_answers_in_bounds(coarse, method, descriptor) -> None:
+def test_integral_matching_finds_the_front(coarse, method, descriptor, overlap) -> None:
+    rounds = {"iterations": 2} if method in {"subspace", "full"} else {}
     options = LocateOptions(
-        method=method, descriptor=descriptor, basis_size=40, iterations=2, vocabulary_size=40
+        method=method, descriptor=descriptor, basis_size=40, vocabulary_size=40, **rounds
     )
     region = locate(coarse.full, coarse.mesh, options)
     check = region.check()
     assert check.lowest >= 0
     assert check.highest <= 1
     assert abs(check.area_error) < 0.05
-    assert region.options.phase_width > 0
+    assert iou(region, coarse) > overlap
 
 
 def test_logistic_with_words_finds_the_front(coarse) -> None:

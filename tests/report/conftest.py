@@ -7,12 +7,14 @@ import pytest
 import trimesh
 from scipy.spatial.transform import Rotation
 
-from sherd.correspondence.point_map import PointMap
-from sherd.match import Alternative, MatchOptions, MatchRegion, MatchResult, MatchStatus
 from sherd.mesh.surface_points import points_at_vertices
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.report.colors import correspondence_layer
-from sherd.report.exhibit import Exhibit, Layer, Partner, Placement
+from sherd.report.exhibit import Alternative, Exhibit, Layer, Partner
+from sherd.results.match_options import MatchOptions
+from sherd.results.match_result import MatchResult
+from sherd.results.placement import Placement
+from sherd.results.status import Status
 
 
 def bumpy_sphere(subdivisions: int) -> TriangleMesh:
@@ -54,7 +56,7 @@ def make_exhibit(subdivisions: int = 3, **changes: object) -> Exhibit:
         "anchors": np.stack([np.arange(10, 20), old[10:20]], axis=1),
         "score": 0.95,
         "alternatives": (
-            Placement(
+            Alternative(
                 "other half",
                 0.71,
                 "The opposite side.",
@@ -94,18 +96,29 @@ def make_match(exhibit: Exhibit) -> MatchResult:
         exhibit.full.vertices, exhibit.full.faces, fields={"thickness": thickness}, name="w.ply"
     )
     mask = np.asarray(exhibit.region)
-    twin = Alternative(
-        "mirrored twin", exhibit.alternatives[0].partner.points, ~mask, 0.8, mirrored=True
+    twin = Placement(
+        mask=~mask,
+        membership=(~mask).astype(float),
+        score=0.8,
+        mirrored=True,
+        points=exhibit.alternatives[0].partner.points,
     )
     return MatchResult(
         full=full,
         part=exhibit.part,
-        point_map=PointMap(points.faces, points.barycentric, known, exhibit.partner.confidence),
-        region=MatchRegion(mask, exhibit.full_layers[0].values),
+        best=Placement(
+            mask=mask,
+            membership=exhibit.full_layers[0].values,
+            score=0.9,
+            points=points,
+            matched=known,
+            confidence=exhibit.partner.confidence,
+        ),
         alternatives=(twin,),
         scale=1.0,
-        scores={"best": 0.9},
-        status=MatchStatus.GOOD,
+        second_score=None,
+        twin_score=0.8,
+        status=Status.GOOD,
         options=MatchOptions(),
         timings={},
         version="1",

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from sherd.report.html import write_page
-from sherd.report.match_report import match_exhibit, match_result
+from sherd.report.write import report_of
 
 sync_api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
 CHROMIUM = shutil.which("chromium") or shutil.which("google-chrome")
@@ -25,7 +25,7 @@ def shown(match_result_of, exhibit):
     """What the page is made of."""
     result = match_result_of(exhibit)
     errors = np.linspace(0, 0.1, result.part.vertex_count)
-    return match_exhibit(result, match_result(result, errors=errors), errors=errors)
+    return report_of(result, errors=errors).exhibit
 
 
 @pytest.fixture(scope="module")

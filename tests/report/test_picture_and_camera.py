@@ -11,12 +11,12 @@ from scipy.spatial.transform import Rotation
 
 from sherd.errors import OptionError, OutputError
 from sherd.mesh.triangle_mesh import TriangleMesh
-from sherd.report.alignment import rotation_to_full
-from sherd.report.camera import best_view, orbit_view, orientation, upward
-from sherd.report.color_bar import ticks
+from sherd.report.drawing.alignment import rotation_to_full
+from sherd.report.drawing.camera import best_view, orbit_view, orientation, upward
+from sherd.report.drawing.color_bar import ticks
+from sherd.report.drawing.picture import picture, png_bytes, stage, write_picture
+from sherd.report.drawing.raster_kernel import covered_faces, shaded_image
 from sherd.report.exhibit import Exhibit, Layer
-from sherd.report.picture import picture, png_bytes, stage, write_picture
-from sherd.report.raster_kernel import covered_faces, shaded_image
 
 
 def test_rasterizer_covers_the_exact_area_and_keeps_the_nearest():

@@ -21,7 +21,7 @@ from sherd.report.files import (
     table_csv,
     vertex_map_text,
 )
-from sherd.report.folder import folder_problems
+from sherd.report.stored.folder import folder_problems
 from sherd.report.vtp import vtp_text
 
 

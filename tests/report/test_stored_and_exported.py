@@ -6,6 +6,7 @@ import base64
 import io
 import json
 import xml.etree.ElementTree as ET
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -13,13 +14,12 @@ import scipy.io
 from PIL import Image
 
 import sherd
-from sherd.correspondence.point_map import PointMap
 from sherd.errors import InputError, OptionError
-from sherd.match import MatchResult
 from sherd.report.exports import exported
-from sherd.report.match_report import match_exhibit, match_result, write_match_report
 from sherd.report.notebook import exhibit_of, plot, show
-from sherd.report.stored_exhibit import read_exhibit
+from sherd.report.stored.stored_exhibit import read_exhibit
+from sherd.report.write import report_of, write_report
+from sherd.results.match_result import MatchResult
 
 
 @pytest.fixture(scope="module")
@@ -31,7 +31,7 @@ def result(match_result_of, exhibit) -> MatchResult:
 def folder(result, tmp_path_factory):
     out = tmp_path_factory.mktemp("match")
     errors = np.linspace(0, 0.1, result.part.vertex_count)
-    write_match_report(result, out, errors=errors, exports=("vtp", "npz", "mat", "map", "vts"))
+    write_report(result, out, errors=errors, exports=("vtp", "npz", "mat", "map", "vts"))
     return out
 
 
@@ -41,7 +41,7 @@ def named(layers, name):
 
 def test_a_folder_shows_again_what_the_report_showed(result, folder) -> None:
     errors = np.linspace(0, 0.1, result.part.vertex_count)
-    before = match_exhibit(result, match_result(result), errors=errors)
+    before = report_of(result, errors=errors).exhibit
     again = read_exhibit(folder)
     assert again.title == before.title
     for side in ("full_layers", "part_layers"):
@@ -71,12 +71,7 @@ def test_orientation_finds_exactly_the_faces_that_are_turned_over(result, exhibi
     wrong = MatchResult(
         **{
             **{name: getattr(result, name) for name in result.__dataclass_fields__},
-            "point_map": PointMap(
-                result.point_map.faces[order],
-                result.point_map.barycentric[order],
-                result.point_map.matched,
-                result.point_map.confidence,
-            ),
+            "best": replace(result.best, points=result.points[order]),
         }
     )
     share = named(exhibit_of(wrong).part_layers, "orientation").values
@@ -89,24 +84,24 @@ def test_orientation_finds_exactly_the_faces_that_are_turned_over(result, exhibi
 def test_scipy_reads_the_mat_file_counted_from_one(result, folder) -> None:
     stored = scipy.io.loadmat(folder / "result.mat")
     np.testing.assert_array_equal(stored["full_faces"] - 1, result.full.faces)
-    np.testing.assert_array_equal(stored["full_face"].ravel() - 1, result.point_map.faces)
-    np.testing.assert_allclose(stored["barycentric"], result.point_map.barycentric)
-    np.testing.assert_array_equal(stored["region"].ravel(), result.region.mask)
+    np.testing.assert_array_equal(stored["full_face"].ravel() - 1, result.points.faces)
+    np.testing.assert_allclose(stored["barycentric"], result.points.barycentric)
+    np.testing.assert_array_equal(stored["region"].ravel(), result.best.mask)
     assert stored["error"].shape == (result.part.vertex_count, 1)
 
 
 def test_numpy_reads_the_npz_file_counted_from_zero(result, folder) -> None:
     with np.load(folder / "result.npz") as stored:
         np.testing.assert_array_equal(stored["part_faces"], result.part.faces)
-        np.testing.assert_array_equal(stored["full_face"], result.point_map.faces)
-        np.testing.assert_allclose(stored["confidence"], result.point_map.confidence)
+        np.testing.assert_array_equal(stored["full_face"], result.points.faces)
+        np.testing.assert_allclose(stored["confidence"], result.confidence)
 
 
 def test_vertex_maps_count_from_zero_and_one(result, folder) -> None:
     zero = np.loadtxt(folder / "correspondence.map", dtype=int)
     one = np.loadtxt(folder / "correspondence.vts", dtype=int)
-    matched = result.point_map.matched
-    nearest = result.point_map.points.nearest_vertices(result.full)
+    matched = result.matched
+    nearest = result.points.nearest_vertices(result.full)
     np.testing.assert_array_equal(zero[matched], nearest[matched])
     np.testing.assert_array_equal(one[matched], nearest[matched] + 1)
     assert (zero[~matched] == -1).all()
@@ -118,8 +113,8 @@ def test_paraview_files_hold_what_the_map_carries(result, folder) -> None:
     assert {"confidence", "orientation", "error", "correspondence"} <= set(arrays)
     raw = base64.b64decode(arrays["thickness_from_the_file"].text)[8:]
     carried = np.frombuffer(raw, dtype="<f8")
-    expected = result.point_map.points.interpolate(result.full, result.full.fields["thickness"])
-    expected[~result.point_map.matched] = np.nan
+    expected = result.points.interpolate(result.full, result.full.fields["thickness"])
+    expected[~result.matched] = np.nan
     np.testing.assert_allclose(carried, expected)
 
 

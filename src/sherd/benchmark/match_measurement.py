@@ -12,9 +12,9 @@ import numpy as np
 from scipy.stats import rankdata
 
 from sherd.arrays import Bools, Floats
+from sherd.benchmark.datasets.pairs import BenchmarkSettings, Pair, PairSource, seed_of
 from sherd.benchmark.match_row import REFUSED, MatchRow
 from sherd.benchmark.metrics import cumulative_curve, region_overlap, vertex_mask
-from sherd.benchmark.pairs import BenchmarkSettings, Pair, PairSource, seed_of
 from sherd.errors import InfeasibleError
 from sherd.files.mesh_files import read_mesh
 from sherd.match import match

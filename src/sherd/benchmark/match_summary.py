@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from sherd._version import __version__
+from sherd.benchmark.datasets.pairs import PairSet
 from sherd.benchmark.match_measurement import BAD, THRESHOLDS
 from sherd.benchmark.match_row import MatchRow
-from sherd.benchmark.pairs import PairSet
 
 __all__ = ["summary", "summary_table"]
 

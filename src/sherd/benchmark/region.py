@@ -10,11 +10,11 @@ import numpy as np
 
 from sherd._version import __version__
 from sherd.arrays import Bools
+from sherd.benchmark.datasets.pairs import Pair
+from sherd.benchmark.datasets.shrec16 import shrec16_pairs
 from sherd.benchmark.metrics import region_overlap
-from sherd.benchmark.pairs import Pair
 from sherd.benchmark.row_file import stored_rows, write_rows
 from sherd.benchmark.runner import measured_rows
-from sherd.benchmark.shrec16 import shrec16_pairs
 from sherd.locate import locate
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.results.locate_options import LocateOptions

@@ -26,7 +26,7 @@ from sherd.benchmark.row_file import stored_rows, write_rows
 from sherd.errors import SherdError
 from sherd.files.mesh_files import read_mesh
 from sherd.output import write_text
-from sherd.report.folder import folder_problems
+from sherd.report.stored.folder import folder_problems
 
 __all__ = ["RobustnessRow", "check_command", "robustness", "robustness_commands"]
 

@@ -10,12 +10,12 @@ from typing import Any
 
 import click
 
-from sherd.benchmark.faust import faust_set
+from sherd.benchmark.datasets.faust import faust_set
+from sherd.benchmark.datasets.pairs import BenchmarkSettings, PairSet
+from sherd.benchmark.datasets.shrec16 import KINDS, shrec16_set
+from sherd.benchmark.datasets.smal import smal_set
 from sherd.benchmark.match_benchmark import match_benchmark
 from sherd.benchmark.match_summary import summary_table
-from sherd.benchmark.pairs import BenchmarkSettings, PairSet
-from sherd.benchmark.shrec16 import KINDS, shrec16_set
-from sherd.benchmark.smal import smal_set
 
 __all__ = ["faust_command", "shrec16_command", "smal_command"]
 

@@ -16,10 +16,10 @@ from sherd.match import STAGES, match
 from sherd.output import Stages
 from sherd.report.exports import MAP_EXPORTS, SHAPE_EXPORTS
 from sherd.report.write import write_report
-from sherd.results.match_options import SCALES, MatchOptions
+from sherd.results.match_options import SCALES, MatchOptions, Scale
 from sherd.results.match_result import MatchResult
 from sherd.results.status import Status
-from sherd.scan.either_side import SIDES
+from sherd.scan.either_side import SIDES, Side
 from sherd.scan.intake import Intake, scan_intake
 from sherd.scan.numbering import repaired_vertices
 from sherd.spectral.surface_distances import SurfaceDistances
@@ -67,8 +67,21 @@ FILE = click.Path(path_type=Path)
 )
 @click.option("--json", "as_json", is_flag=True, help="Print result.json on standard output.")
 @click.option("-q", "--quiet", is_flag=True, help="Print errors only.")
-def match_command(
-    full: Path, part: Path, output: Path, *, as_json: bool, quiet: bool, **hints: Any
+def match_command(  # noqa: PLR0913 - one for each word that can be typed
+    full: Path,
+    part: Path,
+    output: Path,
+    *,
+    scale: Scale,
+    landmarks: Path | None,
+    ignore: Path | None,
+    ground_truth: Path | None,
+    template: Path | None,
+    side: Side,
+    seed: int,
+    exports: tuple[str, ...],
+    as_json: bool,
+    quiet: bool,
 ) -> int:
     """Find for every vertex of the piece PART its point on the mesh FULL.
 
@@ -82,22 +95,22 @@ def match_command(
       sherd match template.ply scan.ply -o out/ --landmarks pairs.csv --export vtp
     """  # noqa: D301
     stages = Stages(len(STAGES) + 1, visible=False if quiet else None)
-    template, scan = stored_template(hints["template"], full), scan_intake(part)
+    described, scan = stored_template(template, full), scan_intake(part)
     options = MatchOptions(
-        scale=hints["scale"],
-        landmarks=_landmarks(hints["landmarks"], template.intake, scan),
-        ignore=_ignored(hints["ignore"], scan),
-        side=hints["side"],
-        seed=hints["seed"],
+        scale=scale,
+        landmarks=_landmarks(landmarks, described.intake, scan),
+        ignore=_ignored(ignore, scan),
+        side=side,
+        seed=seed,
     )
     result, document = match_and_write(
-        template,
+        described,
         scan,
         output,
         options=options,
         stages=stages,
-        truth=hints["ground_truth"],
-        exports=hints["exports"],
+        truth=ground_truth,
+        exports=exports,
     )
     stages.close()
     if as_json:

@@ -16,7 +16,7 @@ from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.output import write_text
 from sherd.report.files import table_csv
-from sherd.report.stored_match import read_match
+from sherd.report.stored.stored_match import read_match
 from sherd.results.match_result import MatchResult
 
 __all__ = ["transfer_command"]

@@ -10,9 +10,9 @@ import click
 
 from sherd.errors import InputError
 from sherd.output import write_bytes
-from sherd.report.folder import folder_problems
-from sherd.report.picture import picture, png_bytes
-from sherd.report.stored_exhibit import read_exhibit
+from sherd.report.drawing.picture import picture, png_bytes
+from sherd.report.stored.folder import folder_problems
+from sherd.report.stored.stored_exhibit import read_exhibit
 
 __all__ = ["on_terminal", "view_command"]
 

@@ -8,8 +8,8 @@ from __future__ import annotations
 import numpy as np
 
 from sherd.arrays import Singles
-from sherd.correspondence.anchors import find_anchors
-from sherd.correspondence.labeling import SIMILARITY_STEP, Labeling, labeling_problem
+from sherd.correspondence.labels.anchors import find_anchors
+from sherd.correspondence.labels.labeling import SIMILARITY_STEP, Labeling, labeling_problem
 from sherd.correspondence.question import Question
 from sherd.correspondence.working_placement import (
     Queries,

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from sherd.arrays import Floats, Ints
-from sherd.correspondence.labeling_data import Comparison
+from sherd.correspondence.labels.labeling_data import Comparison
 from sherd.surface.described import DescribedSurface
 
 __all__ = ["NO_PINS", "Pins", "Question"]

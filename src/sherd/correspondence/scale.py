@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from sherd.correspondence.anchors import find_anchors
-from sherd.correspondence.labeling import CLEAR, Labeling, Problem, labeling_problem
+from sherd.correspondence.labels.anchors import find_anchors
+from sherd.correspondence.labels.labeling import CLEAR, Labeling, Problem, labeling_problem
 from sherd.correspondence.placements import node_similarity
 from sherd.correspondence.question import Question
 from sherd.mesh.sizes import LARGEST_PART

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from sherd.arrays import Floats, Ints, Singles
-from sherd.correspondence.similar_places_kernel import most_alike
+from sherd.correspondence.similar_places_kernel import Sheet, Spectra, most_alike
 from sherd.descriptors.rotation_shot import shift_table
 from sherd.mesh.vertex_cells_kernel import sorted_into_cells
 from sherd.surface.described import DescribedSurface
@@ -57,8 +57,8 @@ def similar_places(
     confidence, similarity = np.empty(len(here)), np.empty(len(here))
     over_rows(
         most_alike, len(here), here, nearest, sorted_into_cells(mesh.vertices, reach),
-        (mesh.vertices, full.normals, mesh.vertex_areas),
-        (look.full_spectra, look.part_spectra, shift_table()), reach,
-        (targets, confidence, similarity),
+        Sheet(mesh.vertices, full.normals, mesh.vertex_areas),
+        Spectra(look.full_spectra, look.part_spectra, shift_table()), reach,
+        targets, confidence, similarity,
     )  # fmt: skip
     return targets, confidence, similarity

@@ -6,14 +6,16 @@ Kernels on plain arrays; :mod:`sherd.correspondence.similar_places` says what is
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numba
 import numpy as np
 
+from sherd.arrays import Floats, Singles
 from sherd.descriptors.rotation_kernel import similarity_of_two
 from sherd.mesh.vertex_cells_kernel import vertices_in_ball
 
-__all__ = ["most_alike"]
+__all__ = ["Sheet", "Spectra", "most_alike"]
 
 # Similarities within 0.02 of the best are equally good.
 SOFTNESS = 0.02
@@ -24,12 +26,29 @@ SPREAD = 0.012
 MOST_PLACES = 400
 
 
+class Sheet(NamedTuple):
+    """The full shape's vertices (n, 3), unit normals (n, 3) and vertex areas (n,)."""
+
+    vertices: Floats
+    normals: Floats
+    areas: Floats
+
+
+class Spectra(NamedTuple):
+    """Of the full shape's vertices and of the part's queries, and the waves of a comparison."""
+
+    full: Singles
+    part: Singles
+    waves: Singles
+
+
 @numba.njit(cache=True, nogil=True)
-def most_alike(rows, here, nearest, cells, surface, spectra, reach, answers):
+def most_alike(  # noqa: PLR0913
+    rows, here, nearest, cells, sheet, spectra, reach, targets, confidence, similarity
+):
     """Write targets, confidence and similarity; see :func:`similar_places`."""
-    vertices, normals, areas = surface
+    vertices, normals, areas = sheet
     full_spectra, part_spectra, waves = spectra
-    targets, confidence, similarity = answers
     for row in range(rows[0], rows[1]):
         near = vertices_in_ball(here[row], reach, vertices, cells)
         if len(near) == 0:

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from sherd.arrays import Ints
-from sherd.correspondence.labeling import Labeling
+from sherd.correspondence.labels.labeling import Labeling
 from sherd.correspondence.question import Question
-from sherd.correspondence.trilateration_kernel import trilaterate
+from sherd.correspondence.trilateration_kernel import Members, trilaterate
 from sherd.threads import over_rows
 
 __all__ = ["trilaterated_vertices"]
@@ -35,17 +35,15 @@ def trilaterated_vertices(question: Question, labeling: Labeling) -> Ints:
     count = min(ANCHORS, len(distances))
     near = np.argsort(distances, axis=0, kind="stable")[:count].T
     length = np.take_along_axis(distances, near.T, axis=0).T
-    pointers, members = _members(labels.cells, len(labels))
+    members = _members(labels.cells, len(labels))
     result = np.zeros(len(near), dtype=np.int64)
     over_rows(
         trilaterate, len(near), near, length.astype(np.float64), labeling.labels,
-        (labels.between, labels.distances), (pointers, members), result,
+        labels.between, labels.distances, members, result,
     )  # fmt: skip
     return result
 
 
-def _members(cells: Ints, count: int) -> tuple[Ints, Ints]:
-    """The vertices of cell i are `members[pointers[i]:pointers[i + 1]]`."""
-    members = np.argsort(cells, kind="stable")
-    pointers = np.searchsorted(cells[members], np.arange(count + 1))
-    return pointers, members
+def _members(cells: Ints, count: int) -> Members:
+    vertices = np.argsort(cells, kind="stable")
+    return Members(np.searchsorted(cells[vertices], np.arange(count + 1)), vertices)

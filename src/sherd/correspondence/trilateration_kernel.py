@@ -5,10 +5,14 @@ Kernels on plain arrays; :mod:`sherd.correspondence.trilateration` states the co
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numba
 import numpy as np
 
-__all__ = ["trilaterate"]
+from sherd.arrays import Ints
+
+__all__ = ["Members", "trilaterate"]
 
 # A vertex lies within a few node spacings of its nearest anchor.
 REACH = 0.18
@@ -20,14 +24,20 @@ MISFIT = 0.05
 CELLS = 7
 
 
+class Members(NamedTuple):
+    """The vertices of cell i are `vertices[pointers[i]:pointers[i + 1]]`."""
+
+    pointers: Ints
+    vertices: Ints
+
+
 # First the best cells by the costs of their labels, then the best vertex in them: a twelfth of the
 # work of comparing all vertices. The cost changes little within a cell, so the best vertex is
 # in one of the best cells.
 @numba.njit(cache=True, nogil=True)
-def trilaterate(rows, near, length, labels, distances, cells, result):
+def trilaterate(rows, near, length, labels, between, to_vertices, members, result):
     """Write the vertex (n',) of least cost for the lengths (n', a) to the nodes `near`."""
-    between, to_vertices = distances
-    pointers, members = cells
+    pointers = members.pointers
     for point in range(rows[0], rows[1]):
         at = labels[near[point]]
         costs = np.full(CELLS, np.inf)
@@ -48,7 +58,7 @@ def trilaterate(rows, near, length, labels, distances, cells, result):
             if label < 0:
                 break
             for entry in range(pointers[label], pointers[label + 1]):
-                vertex = members[entry]
+                vertex = members.vertices[entry]
                 cost = _misfit(at, length[point], to_vertices, vertex, lowest)
                 if cost < lowest:
                     lowest, result[point] = cost, vertex

@@ -7,8 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from sherd.arrays import Bools, Floats, Ints, Singles
-from sherd.correspondence.covered_vertices import covered_vertices
-from sherd.correspondence.labeling import Labeling
+from sherd.correspondence.labels.labeling import Labeling
 from sherd.correspondence.question import Question
 from sherd.correspondence.registration import (
     Deformation,
@@ -139,7 +138,7 @@ def _by_neighborhoods(
 def _look_inside(question: Question, deformation: Deformation, queries: Queries) -> Look:
     """Of the full shape only what the part covers is seen, so all neighborhoods are complete."""
     full = question.full
-    seen = covered_vertices(full.finder, deformation.positions, question.part.mesh.faces)
+    seen = full.finder.covered_vertices(deformation.positions, question.part.mesh.faces)
     trust = np.ones(len(queries.vertices))
     return Look(queries.vertices, full.spectra_within(seen), queries.plain, trust)
 
@@ -169,9 +168,9 @@ def _covered(question: Question, deformation: Deformation) -> Bools:
     full = question.full
     positions, faces = deformation.positions, question.part.mesh.faces
     if full.own_vertices is None or full.placed.vertex_count <= full.mesh.vertex_count:
-        return covered_vertices(full.own_finder, positions, faces)
+        return full.own_finder.covered_vertices(positions, faces)
     # sampling the part for a million vertices would cost more than all the rest
-    seen = covered_vertices(full.finder, positions, faces)
+    seen = full.finder.covered_vertices(positions, faces)
     share = full.working.at_own_vertices(seen.astype(np.float64))
     inside: Bools = (share >= COVERED) & (full.placed.vertex_areas > 0)
     return inside

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import cKDTree
 
-from sherd.arrays import Floats, Ints
+from sherd.arrays import Bools, Floats, Ints
 from sherd.mesh.sizes import LARGEST_PART
 from sherd.mesh.surface_points import BLOCK, SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
@@ -20,6 +20,8 @@ NEAR_FACES = 12
 # Samples per vertex area, each shared by three vertices: a vertex sees a dozen.
 SAMPLES = 4
 MOST_DIVISIONS = 16
+# Of a vertex's area, from which on it is covered.
+HALF = 0.5
 
 
 class SurfaceFinder:
@@ -82,6 +84,17 @@ class SurfaceFinder:
             corners_hit = self.mesh.faces[points.faces]
             parts = points.barycentric * share[:, None]
             covered += np.bincount(corners_hit.ravel(), parts.ravel(), minlength=len(covered))
+        return covered
+
+    def covered_vertices(self, positions: Floats, faces: Ints) -> Bools:
+        """The vertices (n,) of this mesh that a surface (p, 3), (f, 3) covers at least half of.
+
+        The surface is sampled densely, so the region has no holes between its vertices, however
+        coarse it is.
+        """
+        whole = self.mesh.vertex_areas
+        covered: Bools = self.covered_areas(positions, faces) >= HALF * whole
+        covered &= whole > 0
         return covered
 
 

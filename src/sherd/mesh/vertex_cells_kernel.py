@@ -6,24 +6,32 @@ A tree from scipy answers with lists, which cost kernels more than their own wor
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numba
 import numpy as np
 
 from sherd.arrays import Floats, Ints
 
-__all__ = ["sorted_into_cells", "vertices_in_ball"]
+__all__ = ["Cells", "sorted_into_cells", "vertices_in_ball"]
 
 
-def sorted_into_cells(vertices: Floats, reach: float) -> tuple[Ints, Ints, Floats, float, Ints]:
-    """Sort vertices (n, 3) into cubes at least `reach` wide, at most 64 along each axis.
+class Cells(NamedTuple):
+    """Vertices sorted into cubes; a named tuple, which compiled kernels take as it is.
 
-    Returns
-    -------
-    order, starts, origin, size, shape
-        Cube (i, j, k) begins at `origin + size (i, j, k)` and has the index
-        `c = (i shape[1] + j) shape[2] + k`; its vertices are `order[starts[c]:starts[c + 1]]`.
+    Cube (i, j, k) begins at `origin + size (i, j, k)` and has the index
+    `c = (i shape[1] + j) shape[2] + k`; its vertices are `order[starts[c]:starts[c + 1]]`.
     """
+
+    order: Ints
+    starts: Ints
+    origin: Floats
+    size: float
+    shape: Ints
+
+
+def sorted_into_cells(vertices: Floats, reach: float) -> Cells:
+    """Vertices (n, 3) in cubes at least `reach` wide, at most 64 along each axis."""
     origin = vertices.min(axis=0)
     extent = float((vertices.max(axis=0) - origin).max())
     size = max(reach, extent / 64.0)
@@ -32,7 +40,7 @@ def sorted_into_cells(vertices: Floats, reach: float) -> tuple[Ints, Ints, Float
     flat = (place[:, 0] * shape[1] + place[:, 1]) * shape[2] + place[:, 2]
     order = np.argsort(flat, kind="stable")
     starts = np.searchsorted(flat[order], np.arange(int(shape.prod()) + 1))
-    return order, starts, origin, size, shape
+    return Cells(order, starts, origin, float(size), shape)
 
 
 @numba.njit(cache=True)

@@ -17,9 +17,9 @@ import numpy as np
 
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.output import write_text
+from sherd.report.drawing.picture import picture, png_bytes, stage
 from sherd.report.exhibit import Exhibit
 from sherd.report.payload import payload
-from sherd.report.picture import picture, png_bytes, stage
 from sherd.report.thinning import LARGEST_SHOWN, thinned
 
 __all__ = ["page", "write_page"]

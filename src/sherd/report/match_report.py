@@ -23,7 +23,7 @@ from sherd.report.frame import (
     region_csv,
 )
 from sherd.report.known_layers import error_layer, file_layers, known_layer
-from sherd.report.stored_match import FORMAT, stored_alternatives
+from sherd.report.stored.stored_match import FORMAT, stored_alternatives
 from sherd.results.distortion import edge_stretch, faces_preserved, mean_at_vertices
 from sherd.results.match_result import MatchResult
 from sherd.results.placement import Placement

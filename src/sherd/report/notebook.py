@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 from PIL import Image
 
+from sherd.report.drawing.picture import picture
 from sherd.report.exhibit import Exhibit
 from sherd.report.html import page
-from sherd.report.picture import picture
 from sherd.report.write import report_of
 from sherd.results.locate_result import LocateResult
 from sherd.results.match_result import MatchResult

@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 
 from sherd.arrays import Floats, Ints
 from sherd.mesh.triangle_mesh import TriangleMesh
-from sherd.report.camera import orientation
 from sherd.report.colors import (
     CATEGORY_COLORS,
     MASK_COLORS,
@@ -22,8 +21,9 @@ from sherd.report.colors import (
     UNKNOWN,
     color_table,
 )
+from sherd.report.drawing.camera import orientation
+from sherd.report.drawing.picture import Staging
 from sherd.report.exhibit import Exhibit, Layer, Partner
-from sherd.report.picture import Staging
 from sherd.report.thinning import Thinned
 
 __all__ = ["Block", "payload", "unpacked"]

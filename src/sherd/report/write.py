@@ -8,13 +8,13 @@ from typing import Any
 from sherd.arrays import Floats
 from sherd.errors import InputError
 from sherd.output import ResultFolder
+from sherd.report.drawing.picture import picture, png_bytes
 from sherd.report.exports import exported
-from sherd.report.folder import plain
 from sherd.report.frame import Report
 from sherd.report.html import page
 from sherd.report.locate_report import locate_report
 from sherd.report.match_report import match_report
-from sherd.report.picture import picture, png_bytes
+from sherd.report.stored.folder import plain
 from sherd.results.locate_result import LocateResult
 from sherd.results.match_result import MatchResult
 

@@ -3,25 +3,20 @@
 Kernels on plain arrays; :mod:`sherd.scan.surface_from_points` says what they are for. After
 Cohen-Steiner and Da, *A greedy Delaunay-based surface reconstruction algorithm*, 2004; what
 differs is named.
-
-The arrays of a growing surface, for m triangles, e edges and n points:
-
-- `turn` (m,): 1 if a triangle is taken as its corners stand, -1 if turned over, 0 if not taken;
-- `owner` (e, 2): the triangle that runs along an edge from its lower to its higher point, and the
-  one that runs back; -1 if there is none. An edge with one owner is border;
-- `fans` (n,): how many runs of adjacent triangles are around a point;
-- `full` (n,): whether the only run around a point is closed;
-- `ring` (n, MOST) and `rung` (n,): the triangles at a point, and their number.
 """
 
 from __future__ import annotations
 
 from heapq import heappop, heappush
+from typing import NamedTuple
 
 import numba
 import numpy as np
+from numpy.typing import NDArray
 
-__all__ = ["grown"]
+from sherd.arrays import Bools, Floats, Ints
+
+__all__ = ["Triangles", "grown"]
 
 # More triangles than meet at a point of any sane mesh; the point then takes no more.
 MOST = 32
@@ -39,11 +34,10 @@ COS_PARALLEL = 0.5
 ROUNDING = 1e-3
 
 
-@numba.njit(cache=True)
-def grown(points, corners, sides, first, along, normals, size, large):
-    """Which triangles make the surface: `turn` (m,), as above.
+class Triangles(NamedTuple):
+    """The triangles that a surface may be made of: m of them, with e edges and n points.
 
-    Parameters
+    Attributes
     ----------
     points
         (n, 3).
@@ -60,13 +54,53 @@ def grown(points, corners, sides, first, along, normals, size, large):
     large
         (m,) bool: larger than most triangles around. Those only continue a surface smoothly.
     """
-    count, edges, triangles = len(points), len(first) - 1, len(corners)
+
+    points: Floats
+    corners: Ints
+    sides: Ints
+    first: Ints
+    along: Ints
+    normals: Floats
+    size: Floats
+    large: Bools
+
+
+class Front(NamedTuple):
+    """A growing surface.
+
+    Attributes
+    ----------
+    turn
+        (m,) 1 if a triangle is taken as its corners stand, -1 if turned over, 0 if not taken.
+    owner
+        (e, 2) the triangle that runs along an edge from its lower to its higher point, and the
+        one that runs back; -1 if there is none. An edge with one owner is border.
+    fans
+        (n,) how many runs of adjacent triangles are around a point.
+    full
+        (n,) whether the only run around a point is closed.
+    ring, rung
+        (n, MOST) and (n,) the triangles at a point, and their number.
+    """
+
+    turn: NDArray[np.int8]
+    owner: Ints
+    fans: Ints
+    full: Bools
+    ring: Ints
+    rung: Ints
+
+
+@numba.njit(cache=True)
+def grown(cloud):
+    """Which of the :class:`Triangles` make the surface: `turn` (m,) of :class:`Front`."""
+    points, corners, sides, size = cloud.points, cloud.corners, cloud.sides, cloud.size
+    count, edges, triangles = len(points), len(cloud.first) - 1, len(corners)
     turn = np.zeros(triangles, np.int8)
     owner = np.full((edges, 2), -1, np.int64)
     fans, full = np.zeros(count, np.int64), np.zeros(count, np.bool_)
     ring, rung = np.empty((count, MOST), np.int64), np.zeros(count, np.int64)
-    surface = (turn, owner, fans, full, ring, rung)
-    cloud = (points, corners, sides, first, along, normals, size, large)
+    surface = Front(turn, owner, fans, full, ring, rung)
     waiting = np.full(edges, -1, np.int64)  # the triangle that stands in the heap for an edge
     heap = [(0.0, 0, 0) for _ in range(0)]
     order = np.argsort(size, kind="mergesort")
@@ -96,8 +130,8 @@ def grown(points, corners, sides, first, along, normals, size, large):
 @numba.njit(cache=True)
 def _wait(taken, heap, waiting, cloud, surface):
     """Put the border edges around a new triangle on the heap, with what is best for each."""
-    corners, sides = cloud[1], cloud[2]
-    owner, ring, rung = surface[1], surface[4], surface[5]
+    corners, sides = cloud.corners, cloud.sides
+    owner, ring, rung = surface.owner, surface.ring, surface.rung
     for corner in corners[taken]:
         for near in ring[corner, : rung[corner]]:
             for edge in sides[near]:
@@ -111,7 +145,7 @@ def _wait(taken, heap, waiting, cloud, surface):
 @numba.njit(cache=True)
 def _is_seed(triangle, cloud, surface):
     """Whether a triangle is far from the surface so far, and may start another piece."""
-    fans, corners, large = surface[2], cloud[1], cloud[7]
+    fans, corners, large = surface.fans, cloud.corners, cloud.large
     a, b, c = corners[triangle]
     return not large[triangle] and fans[a] == 0 and fans[b] == 0 and fans[c] == 0
 
@@ -137,7 +171,7 @@ def _way(sides, triangle, edge, owner):
 def _next(edge, cloud, surface):
     """Key and number of the triangle that best continues the surface over an edge; -1 if none."""
     _, _, sides, first, along, normals, size, large = cloud
-    turn, owner = surface[0], surface[1]
+    turn, owner = surface.turn, surface.owner
     best, least, bend = -1, np.inf, 1.0
     for triangle in along[first[edge] : first[edge + 1]]:
         if turn[triangle] != 0 or size[triangle] >= least:
@@ -189,7 +223,7 @@ def _fits(triangle, way, cloud, surface):
 @numba.njit(cache=True)
 def _meets(triangle, way, corner, normals, surface):
     """Whether a triangle continues the surface that is already at a corner."""
-    turn, ring, rung = surface[0], surface[4], surface[5]
+    turn, ring, rung = surface.turn, surface.ring, surface.rung
     along, square = 0.0, 0.0
     for i in range(rung[corner]):
         one = ring[corner, i]
@@ -203,7 +237,7 @@ def _meets(triangle, way, corner, normals, surface):
 @numba.njit(cache=True)
 def _take(triangle, way, cloud, surface):
     """Add a triangle to the surface."""
-    corners, sides = cloud[1], cloud[2]
+    corners, sides = cloud.corners, cloud.sides
     turn, owner, fans, full, ring, rung = surface
     for place in range(3):
         corner = corners[triangle, place]
@@ -244,7 +278,7 @@ def _sides_at(sides, triangle, place):
 @numba.njit(cache=True)
 def _other_end(corner, edge, cloud, surface):
     """The other border edge of the fan around a corner that begins with a border edge."""
-    corners, sides, owner = cloud[1], cloud[2], surface[1]
+    corners, sides, owner = cloud.corners, cloud.sides, surface.owner
     triangle = max(owner[edge, 0], owner[edge, 1])
     while True:
         place = 0

@@ -15,7 +15,7 @@ from sherd.mesh.point_cloud import PointCloud
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.scan.cloud_noise import noise_of_points, smoothed_points
 from sherd.scan.delaunay_facets import Facets, delaunay_facets
-from sherd.scan.front_kernel import grown
+from sherd.scan.front_kernel import Triangles, grown
 from sherd.scan.outward import seen_from_outside, turned_outward
 
 __all__ = ["surface_from_points"]
@@ -134,7 +134,7 @@ def _grown_faces(points: Floats, normals: Floats | None) -> Ints:
     usual = _usual_around(points, spacing)[corners].max(axis=1)
     large = edge_lengths(points, corners).max(axis=1) > COARSE * usual
     size = facets.radius / np.median(facets.radius)
-    turn = grown(points, corners, *_edges(corners, len(points)), across, size, large)
+    turn = grown(Triangles(points, corners, *_edges(corners, len(points)), across, size, large))
     faces: Ints = np.where((turn < 0)[:, None], corners[:, ::-1], corners)[turn != 0]
     return faces
 

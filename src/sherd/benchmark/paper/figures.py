@@ -31,7 +31,7 @@ from sherd.energy.subspace import subspace_region
 from sherd.mesh import topology
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.region.integral_matching import ball_starts
-from sherd.report.camera import best_view, upward
+from sherd.report.drawing.camera import best_view, upward
 from sherd.report.exhibit import Layer
 
 __all__ = [

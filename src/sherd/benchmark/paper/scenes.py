@@ -19,7 +19,7 @@ from sherd.files.mesh_files import read_mesh
 from sherd.mesh import topology
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.region.integral_matching import interior_question
-from sherd.report.camera import upward
+from sherd.report.drawing.camera import upward
 from sherd.shapes.creature import creature, landmarks
 from sherd.spectral.basis import eigenbasis
 from sherd.spectral.geodesics import Geodesics

@@ -17,8 +17,8 @@ from sherd.errors import InputError, SherdError
 from sherd.files.mesh_files import read_mesh
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
-from sherd.report.folder import folder_problems
 from sherd.report.known_layers import own_fields
+from sherd.report.stored.folder import folder_problems
 from sherd.results.match_options import MatchOptions
 from sherd.results.match_result import MatchResult
 from sherd.results.placement import Placement

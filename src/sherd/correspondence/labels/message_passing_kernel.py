@@ -1,6 +1,6 @@
 """Compiled message passing: a label for each node, given pair costs.
 
-Kernels on plain arrays; :mod:`sherd.correspondence.labeling` says what the costs mean.
+Kernels on plain arrays; :mod:`sherd.correspondence.labels.labeling` says what the costs mean.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ import numba
 import numpy as np
 
 from sherd.arrays import Ints, Singles
-from sherd.correspondence.labeling_data import Comparison, EdgeMeasures, FullGeometry
+from sherd.correspondence.labels.labeling_data import Comparison, EdgeMeasures, FullGeometry
 from sherd.threads import over_rows
 
 __all__ = ["labeling_costs", "pass_messages"]

@@ -7,8 +7,8 @@ from scipy import sparse
 from scipy.sparse import csgraph
 
 from sherd.arrays import Bools, Floats, Ints
-from sherd.correspondence.guided_kernel import best_placed, guided_turns
-from sherd.correspondence.labeling import (
+from sherd.correspondence.labels.guided_kernel import best_placed, guided_turns
+from sherd.correspondence.labels.labeling import (
     CUT_TRUST,
     SIMILARITY_LIMIT,
     SIMILARITY_STEP,
@@ -17,7 +17,7 @@ from sherd.correspondence.labeling import (
     Problem,
     solve,
 )
-from sherd.correspondence.labeling_data import State
+from sherd.correspondence.labels.labeling_data import State
 
 __all__ = ["find_anchors", "grown"]
 

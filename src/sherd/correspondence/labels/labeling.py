@@ -18,13 +18,13 @@ from functools import cached_property
 import numpy as np
 
 from sherd.arrays import Bools, Floats, Ints, Singles
-from sherd.correspondence.labeling_data import (
+from sherd.correspondence.labels.labeling_data import (
     Comparison,
     EdgeMeasures,
     FullGeometry,
     PartGeometry,
 )
-from sherd.correspondence.message_passing_kernel import labeling_costs, pass_messages
+from sherd.correspondence.labels.message_passing_kernel import labeling_costs, pass_messages
 from sherd.correspondence.question import Question
 from sherd.surface.samples import Samples
 

@@ -1,8 +1,8 @@
 """Compiled: where the labeled neighbors of a node, its guides, place it.
 
-Kernels on plain arrays; :mod:`sherd.correspondence.labeling` says what labels and rotations mean.
-Guides are an array (k, g), padded with -1; the other arguments are those of
-:mod:`sherd.correspondence.labeling_data`.
+Kernels on plain arrays; :mod:`sherd.correspondence.labels.labeling` says what labels and
+rotations mean. Guides are an array (k, g), padded with -1; the other arguments are those of
+:mod:`sherd.correspondence.labels.labeling_data`.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ import numba
 import numpy as np
 
 from sherd.arrays import Floats, Ints
-from sherd.correspondence.labeling_data import Comparison, FullGeometry, PartGeometry, State
+from sherd.correspondence.labels.labeling_data import Comparison, FullGeometry, PartGeometry, State
 from sherd.threads import over_rows
 
 __all__ = ["best_placed", "guided_turns"]

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from sherd.arrays import Ints
-from sherd.benchmark.pairs import BenchmarkSettings, Pair, PairSet
+from sherd.benchmark.datasets.pairs import BenchmarkSettings, Pair, PairSet
 from sherd.errors import MeshFileError
 from sherd.files.mesh_files import read_mesh
 from sherd.mesh.surface_points import points_at_vertices

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from sherd.arrays import Floats
-from sherd.benchmark.pairs import BenchmarkSettings, Pair, PairSet
+from sherd.benchmark.datasets.pairs import BenchmarkSettings, Pair, PairSet
 from sherd.errors import MeshFileError, OptionError
 from sherd.files.mesh_files import read_mesh
 from sherd.mesh.surface_points import SurfacePoints

@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 
 from sherd.arrays import Ints
-from sherd.benchmark.landmark_truth import landmark_map
-from sherd.benchmark.pairs import BenchmarkSettings, Pair, PairSet, seed_of
-from sherd.benchmark.random_cuts import CUTS, random_cut
+from sherd.benchmark.datasets.landmark_truth import landmark_map
+from sherd.benchmark.datasets.pairs import BenchmarkSettings, Pair, PairSet, seed_of
+from sherd.benchmark.datasets.random_cuts import CUTS, random_cut
 from sherd.errors import MeshFileError
 from sherd.files.mesh_files import read_mesh
 from sherd.mesh.surface_points import SurfacePoints, closest_points
@@ -47,8 +47,8 @@ class PersonPair:
         """Read both bodies, bring the second to the area of the first, and cut.
 
         Vertices of the part lie on known points of their own body; the map of that body from the
-        landmarks (:func:`sherd.benchmark.landmark_truth.landmark_map`) takes them to the other
-        one. The mirrored truth comes the same way from the mirrored landmarks of the full shape.
+        landmarks (:func:`sherd.benchmark.datasets.landmark_truth.landmark_map`) takes them to the
+        other one. The mirrored truth comes the same way from the full shape's mirrored landmarks.
 
         Raises
         ------

@@ -16,9 +16,9 @@ from sherd.files.mesh_files import read_mesh
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.report.colors import correspondence_layer
 from sherd.report.exhibit import Exhibit, Partner
-from sherd.report.folder import folder_problems
 from sherd.report.known_layers import file_layers, located_part_layers, stored_layers
-from sherd.report.stored_match import read_match
+from sherd.report.stored.folder import folder_problems
+from sherd.report.stored.stored_match import read_match
 
 __all__ = ["read_exhibit"]
 
@@ -51,16 +51,19 @@ def read_exhibit(folder: str | os.PathLike[str]) -> Exhibit:
 
 def _match_exhibit(path: Path, document: Mapping[str, Any]) -> Exhibit:
     stored = read_match(path)
-    full, part = _named(stored.full, document["full"]), _named(stored.part, document["part"])
-    colors = correspondence_layer(full)
+    on_full, on_part = read_mesh(path / "full.ply"), read_mesh(path / "part.ply")
+    full, part = _named(on_full, document["full"]), _named(on_part, document["part"])
     return Exhibit(
         title=f"{part.name} on {full.name}",
         full=full,
         part=part,
-        full_layers=(colors, *stored_layers(stored.full.fields, carried=True)),
-        part_layers=stored_layers(stored.part.fields),
+        full_layers=(
+            correspondence_layer(full),
+            *stored_layers(on_full.fields, carried=True),
+        ),
+        part_layers=stored_layers(on_part.fields),
         partner=Partner(stored.points, stored.matched, stored.confidence),
-        region=_mask(stored.full),
+        region=stored.best.mask,
     )
 
 

@@ -1,0 +1,1 @@
+"""A label of the full shape for each node of the part, jointly."""
