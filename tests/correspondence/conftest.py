@@ -9,7 +9,7 @@ import pytest
 import trimesh
 
 from sherd.arrays import Floats, Ints
-from sherd.correspondence.labeling import SAME_SCALE
+from sherd.correspondence.labels.labeling import SAME_SCALE
 from sherd.correspondence.question import Question
 from sherd.descriptors.tangent_frames import geodesic_directions
 from sherd.mesh.triangle_mesh import TriangleMesh

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from sherd.correspondence.guided_kernel import best_placed, guided_turns
-from sherd.correspondence.labeling import SAME_SCALE
-from sherd.correspondence.labeling_data import FullGeometry, PartGeometry, State
+from sherd.correspondence.labels.guided_kernel import best_placed, guided_turns
+from sherd.correspondence.labels.labeling import SAME_SCALE
+from sherd.correspondence.labels.labeling_data import FullGeometry, PartGeometry, State
 
 NODES, GUIDES = 150, 10
 

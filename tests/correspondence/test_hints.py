@@ -7,7 +7,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from sherd.correspondence.anchors import find_anchors
 from sherd.correspondence.hints import (
     check_hints,
     landmark_pairs,
@@ -15,7 +14,8 @@ from sherd.correspondence.hints import (
     without_ignored,
     working_pins,
 )
-from sherd.correspondence.labeling import PIN_SLACK, PIN_STRETCH, Problem, labeling_problem
+from sherd.correspondence.labels.anchors import find_anchors
+from sherd.correspondence.labels.labeling import PIN_SLACK, PIN_STRETCH, Problem, labeling_problem
 from sherd.correspondence.question import Pins
 from sherd.errors import InfeasibleError, InputError, OptionError
 from sherd.mesh.triangle_mesh import TriangleMesh
@@ -122,7 +122,7 @@ def test_hints_that_name_what_is_not_there_are_refused(part: Intake) -> None:
         check_hints(part, part, MatchOptions(landmarks=((1, 11),)))
     with pytest.raises(OptionError, match="ignore names vertex 12 of the part"):
         check_hints(part, part, MatchOptions(ignore=(1, 12)))
-    with pytest.raises(InputError, match="landmarks: names vertex 0 .* belongs to no face"):
+    with pytest.raises(InputError, match=r"landmarks: names vertex 0 .* belongs to no face"):
         pins_of(Template(part), part, np.arange(9), MatchOptions(landmarks=((0, 1),)))
 
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from sherd.arrays import Singles
-from sherd.correspondence.anchors import find_anchors, grown
-from sherd.correspondence.labeling import (
+from sherd.correspondence.labels.anchors import find_anchors, grown
+from sherd.correspondence.labels.labeling import (
     SIMILARITY_STEP,
     UNARY_WEIGHT,
     Labeling,

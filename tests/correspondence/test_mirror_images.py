@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sherd.correspondence.labeling import SAME_SCALE, Labeling
+from sherd.correspondence.labels.labeling import SAME_SCALE, Labeling
 from sherd.correspondence.placements import anchor_labeling, mirrored_placement
 from sherd.correspondence.question import Question
 from sherd.correspondence.working_placement import (

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from sherd.correspondence import scale
-from sherd.correspondence.labeling import UNKNOWN_SCALE, Labeling, labeling_problem
+from sherd.correspondence.labels.labeling import UNKNOWN_SCALE, Labeling, labeling_problem
 from sherd.correspondence.question import Question
 from sherd.correspondence.scale import LARGEST_SCALE, estimated_scale, length_ratio
 from sherd.mesh.sizes import LARGEST_PART

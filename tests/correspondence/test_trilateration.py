@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 
 from sherd.arrays import Ints
-from sherd.correspondence.labeling import SAME_SCALE, Labeling
+from sherd.correspondence.labels.labeling import SAME_SCALE, Labeling
 from sherd.correspondence.question import Question
 from sherd.correspondence.trilateration import trilaterated_vertices
 from sherd.surface.described import DescribedSurface

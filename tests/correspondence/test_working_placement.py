@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from sherd.correspondence import working_placement
-from sherd.correspondence.labeling import Labeling
+from sherd.correspondence.labels.labeling import Labeling
 from sherd.correspondence.working_placement import (
     WorkingPlacement,
     part_queries,

@@ -25,7 +25,9 @@ def is_ascending(values: np.ndarray) -> bool:
     return bool((values[1:] >= values[:-1]).all())
 
 
-def samples_of(template: Template, part: DescribedSurface) -> list[tuple[DescribedSurface, Samples]]:
+def samples_of(
+    template: Template, part: DescribedSurface
+) -> list[tuple[DescribedSurface, Samples]]:
     return [(template, template.dense), (template, template.sparse), (part, part.sparse)]
 
 
@@ -122,9 +124,7 @@ def test_directions_point_from_sample_to_sample(template: Template) -> None:
     off = np.abs(np.angle(np.exp(1j * (angle - samples.directions[first, second]))))
     assert np.median(off) < 0.05
     assert np.quantile(off, 0.99) < 0.3
-    np.testing.assert_allclose(
-        samples.headings[0, :, 1], np.sin(samples.directions[0]), atol=1e-6
-    )
+    np.testing.assert_allclose(samples.headings[0, :, 1], np.sin(samples.directions[0]), atol=1e-6)
 
 
 def test_the_distance_to_the_cut_is_that_to_the_border(

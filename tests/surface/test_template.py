@@ -10,6 +10,7 @@ import pytest
 from sherd.errors import InputError, MeshFileError
 from sherd.match import match
 from sherd.mesh.triangle_mesh import TriangleMesh
+from sherd.results.match_options import MatchOptions
 from sherd.scan.intake import mesh_intake
 from sherd.surface.prepared import as_template
 from sherd.surface.template import Template
@@ -71,7 +72,8 @@ def test_matching_with_a_loaded_template_gives_the_same_bits(
 ) -> None:
     upper = egg.vertices[egg.faces, 1].mean(axis=1) > 0
     part, _ = egg.submesh(upper)
-    made, loaded = match(template, part), match(Template.load(stored), part)
+    options = MatchOptions(side="given")
+    made, loaded = match(template, part, options), match(Template.load(stored), part, options)
     assert made.best.score > 0.8
     for name in ("matched", "confidence", "mask", "membership"):
         np.testing.assert_array_equal(getattr(made.best, name), getattr(loaded.best, name))
