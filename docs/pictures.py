@@ -10,12 +10,11 @@ import shutil
 from pathlib import Path
 
 from PIL import Image
-from sherd.report.region_report import region_exhibit
 
 import sherd
 from sherd.cli.demo import demo_fragment
 from sherd.report.drawing.picture import picture, stage
-from sherd.report.match_report import match_exhibit, match_result, write_match_report
+from sherd.report.write import report_of, write_report
 from sherd.spectral.surface_distances import SurfaceDistances
 
 IMAGES = Path(__file__).parent / "images"
@@ -57,21 +56,20 @@ def main() -> None:
     IMAGES.mkdir(exist_ok=True)
     fragment = demo_fragment()
     matched = sherd.match(fragment.full, fragment.mesh)
-    errors = SurfaceDistances(fragment.full).between(fragment.truth, matched.point_map.points)
-    write_match_report(matched, output / "match")
-    write_match_report(matched, output / "truth", errors=errors)
+    errors = SurfaceDistances(fragment.full).between(fragment.truth, matched.points)
+    write_report(matched, output / "match")
+    write_report(matched, output / "truth", errors=errors)
     located = sherd.locate(fragment.full, fragment.mesh)
-    sherd.write_region_report(located, output / "locate")
-    exhibit = match_exhibit(matched, match_result(matched), errors=errors)
+    write_report(located, output / "locate")
+    exhibit = report_of(matched, errors=errors).exhibit
     staging = stage(exhibit)
     drawn = {"demo": None, "confidence": "confidence", "distortion": "distortion", "error": "error"}
     for name, layer in drawn.items():
         image = picture(exhibit, layer=layer, width=WIDTH, heading=False, staging=staging)
         save(image, f"{name}.png")
+    exhibit = report_of(located).exhibit
     for name, layer in {"membership": "membership", "phase-field": "phase field"}.items():
-        image = picture(
-            region_exhibit(located), layer=layer, width=WIDTH, heading=False, staging=staging
-        )
+        image = picture(exhibit, layer=layer, width=WIDTH, heading=False, staging=staging)
         save(image, f"{name}.png")
     screenshot(output / "match" / "report.html", "report.png")
 

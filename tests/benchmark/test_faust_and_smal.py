@@ -11,7 +11,6 @@ import pytest
 from click.testing import CliRunner
 from scipy.spatial import cKDTree
 
-from sherd.scan.intake import Intake
 from sherd.benchmark import match_measurement
 from sherd.benchmark.datasets.faust import faust_pairs, faust_set
 from sherd.benchmark.datasets.landmark_truth import landmark_map
@@ -25,9 +24,10 @@ from sherd.benchmark.match_summary import summary, summary_table
 from sherd.cli.main import main
 from sherd.errors import InputError, MeshFileError, OptionError
 from sherd.files.mesh_files import write_mesh
-from sherd.results.match_options import MatchOptions
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
+from sherd.results.match_options import MatchOptions
+from sherd.scan.intake import Intake
 from sherd.shapes.creature import creature
 from sherd.spectral.sampling import remesh
 

@@ -27,8 +27,8 @@ from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.shapes.creature import creature
 from sherd.shapes.fragment import Fragment, cut_by_ball, whole
 
-# Two thirds of an edge of the animal, in sqrt(area); 0.004 was measured, as a mesh and as points.
-GOOD = 0.01
+# Half an edge of the animal, in sqrt(area); 0.004 was measured, as a mesh and as points.
+GOOD = 0.008
 
 
 @pytest.fixture(scope="module")

@@ -1,4 +1,4 @@
-"""Floor 10: the command line."""
+"""Floor 12: the command line: words in, words out."""
 
 from sherd.cli.main import main
 

@@ -1,1 +1,1 @@
-"""Floor 6: which point of the full shape is each point of the part."""
+"""Floor 8: which point of the full shape is each point of the part."""

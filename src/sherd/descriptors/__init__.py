@@ -1,1 +1,1 @@
-"""Floor 4: heat kernel, wave kernel, SHOT, vocabulary."""
+"""Floor 6: what neighborhoods look like: SHOT, heat and wave kernel, vocabulary."""

@@ -1,1 +1,1 @@
-"""The energies of the founding paper and their solvers."""
+"""Floor 6: the energies of the founding paper and their solvers."""

@@ -1,1 +1,1 @@
-"""Reading and writing meshes and point clouds."""
+"""Floor 3: reading and writing meshes and point clouds."""

@@ -1,1 +1,1 @@
-"""Floor 2: the one mesh type, points on it, files, validation, repair."""
+"""Floor 2: the mesh type, points on it, its geometry and topology."""

@@ -1,1 +1,1 @@
-"""Floor 6: which vertices of the full shape the part covers."""
+"""Floor 8: which vertices of the full shape the part covers."""

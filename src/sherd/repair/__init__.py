@@ -1,1 +1,1 @@
-"""Named repairs and what is wrong with a mesh."""
+"""Floor 3: named repairs, and what is wrong with a mesh."""

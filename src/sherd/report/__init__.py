@@ -1,1 +1,1 @@
-"""Floor 8: what a person sees and other programs read: pages, pictures, files."""
+"""Floor 10: what a person sees and other programs read: pages, pictures, files."""

@@ -1,1 +1,1 @@
-"""What users get: placements, results, options, and values carried along them."""
+"""Floor 7: what users get: placements, results, options, values carried along."""

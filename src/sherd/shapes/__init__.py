@@ -1,4 +1,4 @@
-"""Generated shapes and pieces of them, with exact ground truth."""
+"""Floor 6: generated shapes and pieces of them, with exact ground truth."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""Floor 3: operators, eigenbasis, geodesics, sampling."""
+"""Floor 5: operators, eigenbasis, geodesics, sampling."""

@@ -1,1 +1,1 @@
-"""One prepared shape for both sides of every question."""
+"""Floor 7: one prepared shape for both sides of every question."""

@@ -1,0 +1,1 @@
+"""Floor 11: how good the answers are, on data sets and on generated shapes."""
