@@ -55,16 +55,22 @@ def test_guides_may_be_few_unconnected_or_wrong(full) -> None:
     short[:, 7:] = -1
     labels, _ = best_placed(nodes, short, part, shape, state, SAME_SCALE, 1)
     np.testing.assert_array_equal(labels[:, 0], state.labels)
-    # what follows the padding is not read
-    unread = short.copy()
-    unread[:, 8:] = 0
-    again, _ = best_placed(nodes, unread, part, shape, state, SAME_SCALE, 1)
-    np.testing.assert_array_equal(again, labels)
+    # neither the padding, which would mean the last node, nor what follows it is read
+    lost = state.labels.copy()
+    lost[[0, -1]] = (lost[[0, -1]] + 600) % len(full.dense)
+    short[:, 8:] = 0
+    nodes = np.flatnonzero(~np.isin(guides[:, :7], [0, NODES - 1]).any(axis=1))
+    lies = State(lost, state.rotations)
+    labels, costs = best_placed(nodes, short[nodes], part, shape, lies, SAME_SCALE, 1)
+    np.testing.assert_array_equal(labels[:, 0], state.labels[nodes])
+    assert costs.max() < 1e-6
+    turns = guided_turns(nodes, short[nodes], labels, part, shape, lies)[:, 0]
+    assert np.abs(np.angle(np.exp(1j * (turns - state.rotations[nodes])))).max() < 1e-5
 
     between = part.between.copy()
     between[0, guides[0, :3]] = np.inf
     apart = PartGeometry(between, part.directions)
-    labels, costs = best_placed(nodes, guides, apart, shape, state, SAME_SCALE, 1)
+    labels, costs = best_placed(np.array([0]), guides[:1], apart, shape, state, SAME_SCALE, 1)
     assert labels[0, 0] == state.labels[0]
     assert costs[0, 0] < 1e-6
 

@@ -59,6 +59,14 @@ def test_a_planted_labeling_comes_back(planted, lying: float, right: float) -> N
     assert labeling.local_cost.max() < 0.5
 
 
+def test_rotations_are_read_between_the_grid_of_sixteen(planted) -> None:
+    """Before neighbors have a say: similarity's peak is at the vertex of a parabola."""
+    labeling = find_anchors(problem_of(planted), rounds=1)
+    apart, turn = gaps(planted, labeling)
+    assert turn[apart == 0].max() < 0.01  # the grid is 0.39 wide
+    assert (apart == 0).mean() > 0.95
+
+
 def test_of_wrong_labels_most_similar_ones_only_neighbors_tell(planted) -> None:
     """Where a quarter of the nodes lie, similarity alone is wrong for at least as many."""
     problem = problem_of(planted, lying=0.25)
@@ -71,11 +79,11 @@ def test_of_wrong_labels_most_similar_ones_only_neighbors_tell(planted) -> None:
 
 
 def test_labels_grow_from_those_that_are_kept(planted) -> None:
-    """A quarter of the nodes is kept, all others have lost their labels and rotations."""
+    """A quarter of the nodes, around the first, is kept; the others lose labels and rotations."""
     problem = problem_of(planted, lying=0.25)
     rng = np.random.default_rng(3)
     count = len(planted.labels)
-    kept = np.arange(count) < count // 4  # labels are listed from the farthest apart on
+    kept = problem.nodes.between[0] < np.quantile(problem.nodes.between[0], 0.25)
     labels = np.where(kept, planted.labels, rng.integers(len(problem.labels), size=count))
     rotations = np.where(kept, planted.rotations, 0.0)
     start = Labeling(labels, rotations, np.zeros(count), np.inf)

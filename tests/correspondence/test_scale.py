@@ -59,6 +59,21 @@ def test_the_scale_of_a_part_is_estimated(planted) -> None:
     assert found * 0.6 == pytest.approx(1.0, abs=0.04)
 
 
+def test_the_factor_is_corrected_three_times(planted, monkeypatch) -> None:
+    """Labelings that see only half of what is missing leave an eighth of it."""
+    true = 1.2
+
+    def trial(question: Question, factor: float, rng: np.random.Generator) -> tuple[float, float]:
+        return -abs(np.log(true / factor)), float(np.sqrt(true / factor))
+
+    monkeypatch.setattr(scale, "_trial", trial)
+    found = estimated_scale(planted.question, np.random.default_rng(0))
+    grid = np.geomspace(1 / LARGEST_SCALE, LARGEST_SCALE, scale.GRID)
+    largest = np.sqrt(LARGEST_PART / planted.question.part.mesh.area)
+    first = np.abs(np.log(true / grid[grid <= largest])).min()
+    assert abs(np.log(true / found)) == pytest.approx(first / 8)
+
+
 @pytest.mark.parametrize(
     ("size", "ratio", "expected"), [(0.2, 9.0, 2.0), (0.2, 0.01, 0.5), (1.0, 9.0, None)]
 )
