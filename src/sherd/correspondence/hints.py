@@ -18,7 +18,7 @@ __all__ = ["check_hints", "landmark_pairs", "pins_of", "without_ignored", "worki
 
 
 def check_hints(full: Intake, part: Intake, options: MatchOptions) -> None:
-    """Refuse hints that name vertices which do not exist.
+    """Refuse hints that name vertices which do not exist, and masks of another mesh.
 
     Raises
     ------
@@ -37,6 +37,11 @@ def check_hints(full: Intake, part: Intake, options: MatchOptions) -> None:
             raise OptionError(
                 f"{name} names vertex {vertices.max()} of the {shape}, which has 0..{count - 1}"
             )
+    length = getattr(options.ignore, "mask_length", None)
+    if length not in (None, counts[0]):
+        raise OptionError(
+            f"ignore is a mask of {length} values, but the part has {counts[0]} vertices"
+        )
 
 
 def landmark_pairs(options: MatchOptions) -> Ints:

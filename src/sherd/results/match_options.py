@@ -5,7 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
+import numpy as np
+
 from sherd.errors import OptionError
+from sherd.results.vertex_lists import named_vertices, vertex_pairs
 from sherd.scan.either_side import SIDES, Side
 
 __all__ = ["SCALES", "MatchOptions", "Scale"]
@@ -26,7 +29,8 @@ class MatchOptions:
     landmarks
         Pairs (vertex of the part, vertex of the full shape) that belong together.
     ignore
-        Vertices of the part to leave out: clothing, support, clutter.
+        Vertices of the part to leave out: clothing, support, clutter; by number, or as a mask with
+        one bool for each vertex of the part. Stored as numbers in ascending order.
     side
         ``"either"``: where the part's faces may look inward, or the answer is doubtful and the part
         open, the other side is tried too; ``"given"``: the order of corners is believed.
@@ -55,16 +59,19 @@ class MatchOptions:
             raise OptionError(f'scale is {self.scale!r}, but "same" or "unknown" is needed')
         if self.side not in SIDES:
             raise OptionError(f'side is {self.side!r}, but "either" or "given" is needed')
-        landmarks = tuple((int(part), int(full)) for part, full in self.landmarks)
+        landmarks = vertex_pairs(self.landmarks, "landmarks")
         if len({part for part, _ in landmarks}) < len(landmarks):
             raise OptionError("landmarks name a vertex of the part twice")
-        ignore = tuple(sorted({int(vertex) for vertex in self.ignore}))
-        if min([vertex for pair in landmarks for vertex in pair] + list(ignore), default=0) < 0:
-            raise OptionError("landmarks and ignore count vertices from 0")
+        ignore = named_vertices(self.ignore, "ignore")
         clash = {part for part, _ in landmarks} & set(ignore)
         if clash:
             raise OptionError(f"vertex {min(clash)} of the part is a landmark and ignored")
-        if self.seed < 0:
-            raise OptionError(f"seed is {self.seed}, but it must not be negative")
+        if not _is_whole(self.seed) or self.seed < 0:
+            raise OptionError(f"seed is {self.seed!r}, but a whole number >= 0 is needed")
         object.__setattr__(self, "landmarks", landmarks)
         object.__setattr__(self, "ignore", ignore)
+        object.__setattr__(self, "seed", int(self.seed))
+
+
+def _is_whole(value: object) -> bool:
+    return isinstance(value, int | np.integer) and not isinstance(value, bool)
