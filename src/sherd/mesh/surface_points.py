@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.spatial import cKDTree
 
-from sherd.arrays import Floats, Ints, frozen
+from sherd.arrays import Floats, FrozenState, Ints, frozen
 from sherd.errors import InvalidMeshError
 from sherd.mesh.triangle_mesh import TriangleMesh
 
@@ -21,7 +21,7 @@ BLOCK = 100_000
 
 
 @dataclass(frozen=True, eq=False)
-class SurfacePoints:
+class SurfacePoints(FrozenState):
     """Points on the surface of one mesh.
 
     Parameters

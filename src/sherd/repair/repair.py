@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from sherd.arrays import Ints, frozen
+from sherd.arrays import FrozenState, Ints, frozen
 from sherd.errors import InvalidMeshError, OptionError
 from sherd.mesh import geometry
 from sherd.mesh.triangle_mesh import TriangleMesh
@@ -49,7 +49,7 @@ class RepairStep:
 
 
 @dataclass(frozen=True, eq=False)
-class RepairReport:
+class RepairReport(FrozenState):
     """What was repaired, and how old and new vertices correspond.
 
     Parameters

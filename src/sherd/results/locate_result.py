@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from sherd._version import __version__
-from sherd.arrays import Bools, Floats
+from sherd.arrays import Bools, Floats, FrozenState
 from sherd.energy.cleanup import pieces
 from sherd.energy.convergence import Convergence
 from sherd.energy.mumford_shah import EnergyTerms
@@ -59,7 +59,7 @@ class LocateCheck:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class LocateResult:
+class LocateResult(FrozenState):
     """The answer of :func:`sherd.locate`; arrays are numbered as the full shape's vertices are.
 
     Attributes

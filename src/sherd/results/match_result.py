@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from scipy import sparse
 
 from sherd._version import __version__
-from sherd.arrays import Bools, Floats, Ints
+from sherd.arrays import Bools, Floats, FrozenState, Ints
 from sherd.errors import InvalidMeshError
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
@@ -68,7 +68,7 @@ class MatchCheck:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class MatchResult:
+class MatchResult(FrozenState):
     """The answer of :func:`sherd.match`; all arrays are numbered as the user's shapes are.
 
     Attributes

@@ -11,7 +11,7 @@ from scipy import sparse
 from scipy.sparse.linalg import LinearOperator, eigsh, splu
 from threadpoolctl import threadpool_limits
 
-from sherd.arrays import Floats, frozen
+from sherd.arrays import Floats, FrozenState, frozen
 from sherd.errors import OptionError
 from sherd.mesh.geometry import edge_lengths
 from sherd.mesh.triangle_mesh import TriangleMesh
@@ -29,7 +29,7 @@ SHIFT = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
-class EigenBasis:
+class EigenBasis(FrozenState):
     """Eigenpairs `W phi = lambda A phi`, ascending, area-orthonormal.
 
     Attributes
