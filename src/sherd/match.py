@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from types import MappingProxyType
+from typing import Unpack
 
 import numpy as np
 
@@ -35,7 +36,8 @@ from sherd.mesh.sides import bulge
 from sherd.mesh.sizes import check_sizes
 from sherd.output import Stages
 from sherd.region.coverage import covered_region
-from sherd.results.match_options import MatchOptions
+from sherd.results.keywords import options_of
+from sherd.results.match_options import MatchKeywords, MatchOptions
 from sherd.results.match_result import MatchResult
 from sherd.results.placement import Placement
 from sherd.results.status import Status
@@ -69,6 +71,7 @@ def match(
     options: MatchOptions | None = None,
     *,
     stages: Stages | None = None,
+    **keywords: Unpack[MatchKeywords],
 ) -> MatchResult:
     """Find for every vertex of the part its point on the full shape.
 
@@ -80,9 +83,11 @@ def match(
     part
         The part: deformed, incomplete, in any position and vertex order; points will do.
     options
-        See :class:`MatchOptions`.
+        See :class:`MatchOptions`; the defaults if None.
     stages
         Collects timings and shows progress; a silent one if None.
+    keywords
+        The fields of :class:`MatchOptions`, instead of `options`.
 
     Returns
     -------
@@ -92,7 +97,8 @@ def match(
     Raises
     ------
     OptionError
-        If a landmark or ignored vertex does not exist.
+        If a landmark or ignored vertex does not exist, a keyword is unknown, or both `options` and
+        keywords are given.
     InfeasibleError
         If the part is larger than the full shape or a dot on it, or everything is ignored.
     MeshFileError, InvalidMeshError, InputError
@@ -106,7 +112,8 @@ def match(
     >>> match(full, part).check().passed
     True
     """
-    options, stages = options or MatchOptions(), stages or Stages(visible=False)
+    options = options_of(MatchOptions, options, keywords)
+    stages = stages or Stages(visible=False)
     template = as_template(full)
     return better_side(
         scan_intake(part),

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Literal, TypeAlias
+from typing import Literal, TypeAlias, TypedDict
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sherd.errors import OptionError
 from sherd.results.vertex_lists import named_vertices, vertex_pairs
 from sherd.scan.either_side import SIDES, Side
 
-__all__ = ["SCALES", "MatchOptions", "Scale"]
+__all__ = ["SCALES", "MatchKeywords", "MatchOptions", "Scale"]
 
 Scale: TypeAlias = Literal["same", "unknown"]
 SCALES: tuple[Scale, ...] = ("same", "unknown")
@@ -71,6 +73,16 @@ class MatchOptions:
         object.__setattr__(self, "landmarks", landmarks)
         object.__setattr__(self, "ignore", ignore)
         object.__setattr__(self, "seed", int(self.seed))
+
+
+class MatchKeywords(TypedDict, total=False):
+    """The fields of :class:`MatchOptions` as keywords of :func:`sherd.match`."""
+
+    scale: Scale
+    landmarks: Iterable[Iterable[int]] | NDArray[np.integer]
+    ignore: Iterable[int] | NDArray[np.integer] | NDArray[np.bool_]
+    side: Side
+    seed: int
 
 
 def _is_whole(value: object) -> bool:
