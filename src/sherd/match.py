@@ -25,7 +25,8 @@ from sherd.correspondence.placements import (
     second_placement,
 )
 from sherd.correspondence.question import Question
-from sherd.correspondence.scale import LARGEST_SCALE, estimated_scale
+from sherd.correspondence.scale import LARGEST_SCALE, SAME, estimated_scale
+from sherd.correspondence.unfollowed import unfollowed_landmarks
 from sherd.correspondence.working_placement import (
     Queries,
     WorkingPlacement,
@@ -34,8 +35,10 @@ from sherd.correspondence.working_placement import (
 )
 from sherd.mesh.sides import bulge
 from sherd.mesh.sizes import check_sizes
+from sherd.mesh.units import unit_proposal
 from sherd.output import Stages
 from sherd.region.coverage import covered_region
+from sherd.results.advice import Doubts
 from sherd.results.keywords import options_of
 from sherd.results.match_options import MatchKeywords, MatchOptions
 from sherd.results.match_result import MatchResult
@@ -130,20 +133,28 @@ def match_one_side(
     """Match a part whose faces look outward: the method; see :func:`match`."""
     unknown = options.scale == "unknown"
     check_hints(template.intake, part, options)
-    check_sizes(template.intake.mesh, part.mesh, largest_scale=LARGEST_SCALE if unknown else 1.0)
+    check_sizes(
+        template.intake.mesh,
+        part.mesh,
+        factor=options.factor,
+        largest_scale=LARGEST_SCALE if unknown else 1.0,
+        options=True,
+    )
     kept, kept_vertices = without_ignored(part, options)
     pins = pins_of(template, part, kept_vertices, options)
     rng = np.random.default_rng(options.seed)
     with stages("full shape"):
         template.prepare()
     with stages("part"):
-        surface = described_part(kept, template.length, sampled_at=pins.vertices)
+        unit = template.length / options.factor
+        surface = described_part(kept, unit, sampled_at=pins.vertices)
         comparison = UNKNOWN_SCALE if unknown else SAME_SCALE
         question = Question(template, surface, comparison, working_pins(surface, pins))
         _ = surface.sparse  # computed on first use, and this is the stage that it belongs to
     with stages("scale"):
-        scale = estimated_scale(question, rng) if unknown else 1.0
-        if scale != 1.0:
+        estimate = estimated_scale(question, rng) if unknown else SAME
+        scale = options.factor * estimate.factor
+        if estimate.factor != 1.0:
             unit = template.length / scale
             surface = described_part(kept, unit, sampled_at=pins.vertices)
             question = question.with_part(surface)
@@ -161,6 +172,13 @@ def match_one_side(
         trust = _trust(question, queries, best, other)
     with stages("region"):
         membership, mask = _region(question, best, trust.matched)
+    doubts = Doubts(
+        unlike=_fits_poorly(trust, share_laid_double(surface, best.deformation)),
+        scale_unknown=unknown,
+        scale_bound=scale if estimate.at_bound else None,
+        unfollowed=unfollowed_landmarks(question, pins, best.points),
+        units=_unit_proposal(template, part, options),
+    )
     way_back = WayBack(template.intake, part, kept_vertices)
     return MatchResult(
         full=template.full,
@@ -177,7 +195,9 @@ def match_one_side(
         scale=scale,
         second_score=other.score,
         twin_score=twin.score,
-        status=_status(trust, share_laid_double(surface, best.deformation)),
+        status=doubts.status,
+        advice=doubts.advice,
+        unfollowed_landmarks=doubts.unfollowed,
         timings=MappingProxyType(dict(stages.seconds)),
         options=options,
         working_vertices=MappingProxyType(
@@ -212,9 +232,16 @@ def _region(question: Question, best: WorkingPlacement, matched: Bools) -> tuple
     return covered_region(full, best.mask, share * float(full.vertex_areas @ best.mask))
 
 
-def _status(trust: _Trust, double: float) -> Status:
+def _fits_poorly(trust: _Trust, double: float) -> bool:
     sure = float(trust.confidence[trust.matched].mean()) if trust.matched.any() else 0.0
-    return Status.GOOD if sure > POOR and double < DOUBLE else Status.DOUBTFUL
+    return not (sure > POOR and double < DOUBLE)
+
+
+def _unit_proposal(template: Template, part: Intake, options: MatchOptions) -> str:
+    """Units that would explain the sizes, unless the user has said how they compare."""
+    if options.scale != "same" or options.part_unit is not None:
+        return ""
+    return unit_proposal(part.mesh.length / template.length)
 
 
 def _alternatives(

@@ -72,3 +72,40 @@ def test_landmarks_may_be_an_array_and_are_stored_as_pairs() -> None:
 def test_a_seed_is_a_whole_number(seed) -> None:
     with pytest.raises(OptionError, match="seed"):
         MatchOptions(seed=seed)
+
+
+@pytest.mark.parametrize(
+    "scale", [0, -1, float("nan"), float("inf"), True, "3", "large", None, [2.0]]
+)
+def test_a_scale_is_a_word_or_a_positive_number(scale) -> None:
+    with pytest.raises(OptionError, match='"same", "unknown" or a positive number'):
+        MatchOptions(scale=scale)
+
+
+@pytest.mark.parametrize(
+    ("given", "factor"),
+    [
+        ({}, 1.0),
+        ({"scale": 3}, 3.0),
+        ({"scale": np.float32(0.5)}, 0.5),
+        ({"part_unit": "mm", "full_unit": "m"}, 0.001),
+        ({"part_unit": "ft", "full_unit": "in"}, 12.0),
+        ({"part_unit": "in", "full_unit": "in", "scale": "unknown"}, 1.0),
+    ],
+)
+def test_units_and_numbers_become_a_factor(given, factor) -> None:
+    assert MatchOptions(**given).factor == pytest.approx(factor, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"part_unit": "mm"}, "give both or none"),
+        ({"full_unit": "mm"}, "give both or none"),
+        ({"part_unit": "mm", "full_unit": "km"}, "full_unit is 'km', but must be one of mm, cm"),
+        ({"part_unit": "mm", "full_unit": "m", "scale": 2.0}, "give one of them"),
+    ],
+)
+def test_units_that_do_not_fit_together_are_refused(given, message) -> None:
+    with pytest.raises(OptionError, match=message):
+        MatchOptions(**given)

@@ -81,10 +81,10 @@ def pins_of(template: Template, part: Intake, kept: Ints, options: MatchOptions)
     new = np.full(part.mesh.vertex_count, -1, dtype=np.int64)
     new[kept] = np.arange(len(kept))
     there = new[on_part] >= 0
-    return Pins(new[on_part][there], template.placed.vertices[on_full[there]])
+    return Pins(new[on_part][there], template.placed.vertices[on_full[there]], pairs[there])
 
 
 def working_pins(part: DescribedSurface, pins: Pins) -> Pins:
     """The same pins on vertices of the part's working mesh, each once."""
     vertices, first = np.unique(part.working.working_vertices(pins.vertices), return_index=True)
-    return Pins(vertices, pins.positions[first])
+    return Pins(vertices, pins.positions[first], pins.landmarks[first])

@@ -17,6 +17,7 @@ from sherd.errors import InvalidMeshError
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.results import transfer
+from sherd.results.advice import UnfollowedLandmark
 from sherd.results.distortion import edge_stretch, faces_preserved
 from sherd.results.match_options import MatchOptions
 from sherd.results.placement import Placement
@@ -82,7 +83,7 @@ class MatchResult(FrozenState):
     alternatives
         Other plausible placements, best first.
     scale
-        Factor that the part was enlarged by: 1 for ``scale="same"``.
+        Factor that the part was enlarged by: 1 for ``scale="same"`` without units.
     second_score, twin_score
         Score of the placement that was found the other time, and of the mirrored twin, which need
         not be plausible; None if unknown.
@@ -97,6 +98,10 @@ class MatchResult(FrozenState):
         shapes are searched on a mesh of moderate size; the answers are for the shapes themselves.
     notices
         What was adapted in the shapes, in sentences, by "full" and "part".
+    advice
+        What to do about the status, with the names of what is wrong; the status's own if empty.
+    unfollowed_landmarks
+        Landmarks that the answer does not follow or that contradict each other, farthest first.
 
     Examples
     --------
@@ -121,8 +126,12 @@ class MatchResult(FrozenState):
     version: str = field(default=__version__)
     working_vertices: Mapping[str, int] = field(default_factory=dict)
     notices: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    advice: str = ""
+    unfollowed_landmarks: tuple[UnfollowedLandmark, ...] = ()
 
     def __post_init__(self) -> None:
+        if not self.advice:
+            object.__setattr__(self, "advice", self.status.advice)
         for placement in (self.best, *self.alternatives):
             count = -1 if placement.points is None else len(placement.points)
             if count != self.part.vertex_count:
