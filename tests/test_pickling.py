@@ -1,4 +1,4 @@
-"""Every public object can be pickled, copied and sent to another process, for about its arrays."""
+"""Public objects are pickled, copied, sent to other processes and shown, each briefly."""
 
 from __future__ import annotations
 
@@ -180,6 +180,33 @@ def test_a_pickle_costs_about_its_arrays(name: str) -> None:
     thing = MAKERS[name]()
     different = {id(array): array.nbytes for array in content_of(thing).arrays}
     assert len(pickle.dumps(thing)) < 1.01 * sum(different.values()) + WORDS
+
+
+@pytest.mark.parametrize("name", MAKERS)
+def test_what_is_shown_is_one_short_line(name: str) -> None:
+    shown = repr(MAKERS[name]())
+    assert name in shown
+    assert "\n" not in shown
+    assert len(shown) < 200
+
+
+def test_options_show_what_is_not_the_default() -> None:
+    assert repr(sherd.MatchOptions()) == "MatchOptions()"
+    options = sherd.MatchOptions(scale=2, ignore=range(1000))
+    assert repr(options) == "MatchOptions(scale=2.0, ignore=<1000 entries>)"
+
+
+@pytest.mark.parametrize("make", [match_result, locate_result])
+def test_notebooks_show_a_table(make: Callable[[], Any]) -> None:
+    result = make()
+    odd = copy.copy(result)
+    object.__setattr__(odd, "part", sherd.TriangleMesh(MESH.vertices, MESH.faces, name="<b>"))
+    shown = odd._repr_html_()
+    assert "&lt;b&gt;" in shown
+    assert "<b>" not in shown
+    for word in ("status", "coverage", "100.0%", "confidence" if make is match_result else "score"):
+        assert word in shown
+    assert len(shown) < 3000
 
 
 def test_a_template_keeps_what_took_long_and_nothing_else() -> None:

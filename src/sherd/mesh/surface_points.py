@@ -20,7 +20,7 @@ WEIGHT_TOLERANCE = 1e-3
 BLOCK = 100_000
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class SurfacePoints(FrozenState):
     """Points on the surface of one mesh.
 
@@ -59,6 +59,9 @@ class SurfacePoints(FrozenState):
         weights /= weights.sum(axis=1, keepdims=True)
         object.__setattr__(self, "faces", frozen(faces))
         object.__setattr__(self, "barycentric", frozen(weights))
+
+    def __repr__(self) -> str:
+        return f"SurfacePoints({len(self)} points)"
 
     def __len__(self) -> int:
         return len(self.faces)

@@ -48,7 +48,7 @@ class RepairStep:
     sentence: str
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class RepairReport(FrozenState):
     """What was repaired, and how old and new vertices correspond.
 
@@ -65,6 +65,11 @@ class RepairReport(FrozenState):
     steps: tuple[RepairStep, ...]
     original_vertices: Ints
     new_vertices: Ints
+
+    def __repr__(self) -> str:
+        done = ", ".join(f"{step.name} ({step.count})" for step in self.steps if step.count)
+        before, after = len(self.new_vertices), len(self.original_vertices)
+        return f"RepairReport({done or 'nothing to do'}; vertices {before} -> {after})"
 
     @property
     def changed(self) -> bool:

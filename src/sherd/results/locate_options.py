@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Literal, TypeAlias, TypedDict, get_args
 
 from sherd.errors import OptionError
+from sherd.results.display import differences
 from sherd.scan.either_side import SIDES, Side
 
 __all__ = [
@@ -36,7 +37,7 @@ _SPEAKS_TO: dict[str, tuple[tuple[Method, ...], str | int]] = {
 }
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class LocateOptions:
     """Parameters of :func:`sherd.locate`; the defaults need no tuning.
 
@@ -94,6 +95,9 @@ class LocateOptions:
     vocabulary_size: int | None = None
     side: Side = "either"
     seed: int = 0
+
+    def __repr__(self) -> str:
+        return differences(self)
 
     def __post_init__(self) -> None:
         self._check_names()

@@ -14,6 +14,7 @@ from sherd.energy.convergence import Convergence
 from sherd.energy.mumford_shah import EnergyTerms
 from sherd.mesh import topology
 from sherd.mesh.triangle_mesh import TriangleMesh
+from sherd.results.display import table_html
 from sherd.results.locate_options import LocateOptions
 from sherd.results.placement import Placement
 
@@ -116,6 +117,18 @@ class LocateResult(FrozenState):
             f"LocateResult({self.part.name!r} on {self.full.name!r}: score {self.score:.3f}, "
             f"{self.area_fraction:.0%} of the area)"
         )
+
+    def _repr_html_(self) -> str:
+        membership = self.membership[self.mask]
+        rows = {
+            "status": self.convergence.advice,
+            "coverage": f"{self.area_fraction:.1%} of the full shape",
+            "mean membership of the region": f"{membership.mean() if len(membership) else 0:.2f}",
+            "score": f"{self.score:.3f}",
+            "alternatives": ", ".join(repr(other) for other in self.alternatives) or "none",
+            "to see it": "sherd.show(result), sherd.plot(result)",
+        }
+        return table_html(f"{self.part.name} on {self.full.name}", rows)
 
     @property
     def mask(self) -> Bools:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from sherd.errors import OptionError
 from sherd.mesh.units import UNITS, Unit, unit_factor
+from sherd.results.display import differences
 from sherd.results.vertex_lists import named_vertices, vertex_pairs
 from sherd.scan.either_side import SIDES, Side
 
@@ -21,7 +22,7 @@ Scale: TypeAlias = Literal["same", "unknown"]
 SCALES: tuple[Scale, ...] = ("same", "unknown")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class MatchOptions:
     """Options of :func:`sherd.match`; the defaults need no tuning.
 
@@ -62,6 +63,9 @@ class MatchOptions:
     seed: int = 0
     part_unit: Unit | None = None
     full_unit: Unit | None = None
+
+    def __repr__(self) -> str:
+        return differences(self)
 
     def __post_init__(self) -> None:
         self._check_scale()

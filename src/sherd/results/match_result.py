@@ -18,6 +18,7 @@ from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.results import transfer
 from sherd.results.advice import UnfollowedLandmark
+from sherd.results.display import table_html
 from sherd.results.distortion import edge_stretch, faces_preserved
 from sherd.results.match_options import MatchOptions
 from sherd.results.placement import Placement
@@ -147,6 +148,20 @@ class MatchResult(FrozenState):
             f"MatchResult({self.part.name!r} on {self.full.name!r}: {self.status.name.lower()}, "
             f"{self.matched.mean():.0%} matched, mean confidence {self.confidence.mean():.2f})"
         )
+
+    def _repr_html_(self) -> str:
+        covered = self.part.area * self.scale**2 / self.full.area
+        rows = {
+            "status": self.advice,
+            "coverage": f"{covered:.1%} of the full shape",
+            "matched": f"{int(self.matched.sum()):,} of {self.part.vertex_count:,} vertices",
+            "mean confidence": f"{self.confidence.mean():.2f}",
+            "score": f"{self.best.score:.3f}",
+            "scale": f"{self.scale:.4g}",
+            "alternatives": ", ".join(repr(other) for other in self.alternatives) or "none",
+            "to see it": "sherd.show(result), sherd.plot(result)",
+        }
+        return table_html(f"{self.part.name} on {self.full.name}", rows)
 
     @property
     def points(self) -> SurfacePoints:

@@ -28,7 +28,7 @@ FLAT_FACE = 1e-7
 SHIFT = 1e-3
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class EigenBasis(FrozenState):
     """Eigenpairs `W phi = lambda A phi`, ascending, area-orthonormal.
 
@@ -53,6 +53,9 @@ class EigenBasis(FrozenState):
     vertex_areas: Floats
     residual: float
     laplacian: str
+
+    def __repr__(self) -> str:
+        return f"EigenBasis({self.size} eigenpairs of {len(self.vertex_areas)} vertices)"
 
     @property
     def size(self) -> int:

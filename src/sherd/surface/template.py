@@ -57,6 +57,9 @@ class Template(DescribedSurface):
         super().__init__(working, known=known)
         self.intake = intake
 
+    def __repr__(self) -> str:
+        return f"Template({self.full.name!r}, {self.full.vertex_count} vertices)"
+
     def __getstate__(self) -> dict[str, Any]:
         return {**super().__getstate__(), "intake": self.intake}
 
