@@ -157,3 +157,26 @@ def test_bad_hints_end_in_one_line(run, option, content, words, files, tmp_path)
     assert done.stderr.count("\n") == 1
     assert words in done.stderr
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("--scale", "large"), "'large' is neither same, unknown nor a number"),
+        (("--scale", "-2"), "a positive number is needed"),
+        (("--part-unit", "mm"), "give both or none"),
+        (("--part-unit", "mm", "--full-unit", "m", "--scale", "2"), "give one of them"),
+    ],
+)
+def test_scales_and_units_that_cannot_be_are_refused(run, words, said, files, tmp_path) -> None:
+    done = run("match", *files, "-o", tmp_path / "out", *words)
+    assert done.returncode == 2
+    assert said in done.stderr
+
+
+def test_units_on_the_command_line_reach_the_question(run, files, tmp_path) -> None:
+    """The piece would be a thousand times as large: refused before anything is matched."""
+    words = ("--part-unit", "m", "--full-unit", "mm")
+    done = run("match", *files, "-o", tmp_path / "out", *words)
+    assert done.returncode == 3
+    assert "once its lengths are multiplied by 1000" in done.stderr

@@ -19,6 +19,7 @@ from sherd.report.exports import exported
 from sherd.report.notebook import exhibit_of, plot, show
 from sherd.report.stored.stored_exhibit import read_exhibit
 from sherd.report.write import report_of, write_report
+from sherd.results.advice import Doubts, UnfollowedLandmark
 from sherd.results.match_result import MatchResult
 
 
@@ -79,6 +80,27 @@ def test_orientation_finds_exactly_the_faces_that_are_turned_over(result, exhibi
     assert share[[a, b]].max() < 1
     untouched = np.setdiff1d(np.arange(result.part.vertex_count), touched)
     assert (share[untouched] == 1).all()
+
+
+def test_landmarks_that_were_not_followed_are_written_and_read_back(result, tmp_path) -> None:
+    wrong = (UnfollowedLandmark(3, 5, 0.25, (7,)), UnfollowedLandmark(7, 9, 0.125))
+    doubts = Doubts(unfollowed=wrong)
+    options = sherd.MatchOptions(landmarks=((3, 5), (7, 9)), part_unit="mm", full_unit="cm")
+    asked = replace(
+        result,
+        status=doubts.status,
+        advice=doubts.advice,
+        unfollowed_landmarks=doubts.unfollowed,
+        options=options,
+    )
+    document = write_report(asked, tmp_path / "out")
+    assert document["advice"] == doubts.advice
+    assert document["unfollowed_landmarks"][0]["distance"] == 0.25
+    again = sherd.read_match(tmp_path / "out")
+    assert again.unfollowed_landmarks == wrong
+    assert (again.status, again.advice) == (doubts.status, doubts.advice)
+    assert again.options == options
+    assert "part vertex 3 on full vertex 5" in (tmp_path / "out" / "report.html").read_text("utf-8")
 
 
 def test_scipy_reads_the_mat_file_counted_from_one(result, folder) -> None:

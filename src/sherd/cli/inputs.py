@@ -1,19 +1,48 @@
-"""What commands have in common: the template file, notices, the command line."""
+"""What commands have in common: kinds of values, the template file, notices, the command line."""
 
 from __future__ import annotations
 
 import shlex
 import sys
 from pathlib import Path
+from typing import Any
 
 import click
+from click.shell_completion import CompletionItem
 
 from sherd.results.locate_result import LocateResult
+from sherd.results.match_options import SCALES
 from sherd.results.match_result import MatchResult
 from sherd.scan.intake import mesh_intake
 from sherd.surface.template import Template
 
-__all__ = ["command_line", "show_notices", "stored_template"]
+__all__ = ["ScaleType", "command_line", "show_notices", "stored_template"]
+
+
+class ScaleType(click.ParamType):  # type: ignore[type-arg, unused-ignore]
+    """A word of SCALES or a number; the options refuse numbers out of range."""
+
+    name = "scale"
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> str | float:
+        """The word or number that was typed."""
+        if value in SCALES:
+            return str(value)
+        try:
+            return float(value)
+        except ValueError:
+            self.fail(f"{value!r} is neither {', '.join(SCALES)} nor a number", param, ctx)
+
+    def shell_complete(
+        self,
+        ctx: click.Context,  # noqa: ARG002 - click asks for it
+        param: click.Parameter,  # noqa: ARG002
+        incomplete: str,
+    ) -> list[CompletionItem]:
+        """The words."""
+        return [CompletionItem(word) for word in SCALES if word.startswith(incomplete)]
 
 
 def show_notices(result: MatchResult | LocateResult) -> None:

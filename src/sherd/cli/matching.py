@@ -10,9 +10,10 @@ import click
 import numpy as np
 
 from sherd.cli.exits import NOT_CONVERGED
-from sherd.cli.inputs import command_line, show_notices, stored_template
+from sherd.cli.inputs import ScaleType, command_line, show_notices, stored_template
 from sherd.cli.tables import read_ground_truth, read_ignored, read_landmarks
 from sherd.match import STAGES, match
+from sherd.mesh.units import UNITS, Unit
 from sherd.output import Stages
 from sherd.report.exports import MAP_EXPORTS, SHAPE_EXPORTS
 from sherd.report.write import write_report
@@ -36,11 +37,15 @@ FILE = click.Path(path_type=Path)
 @click.option("-o", "--output", type=FILE, required=True, help="Folder.")
 @click.option(
     "--scale",
-    type=click.Choice(SCALES),
+    type=ScaleType(),
+    metavar=f"[{'|'.join(SCALES)}|FACTOR]",
     default="same",
     show_default=True,
-    help="Unknown: the part's scale is estimated within half and twice that of FULL.",
+    help="Unknown: the part's scale is estimated within half and twice that of FULL. A number: "
+    "the part is enlarged by it.",
 )
+@click.option("--part-unit", type=click.Choice(UNITS), help="Unit of PART; with --full-unit.")
+@click.option("--full-unit", type=click.Choice(UNITS), help="Unit of FULL; with --part-unit.")
 @click.option("--landmarks", type=FILE, help="CSV with columns part_vertex,full_vertex.")
 @click.option("--ignore", type=FILE, help="CSV with a column part_vertex: clothing, support.")
 @click.option("--ground-truth", type=FILE, help="CSV as written here, or SHREC'16 .baryc_gt.")
@@ -72,7 +77,9 @@ def match_command(  # noqa: PLR0913 - one for each word that can be typed
     part: Path,
     output: Path,
     *,
-    scale: Scale,
+    scale: Scale | float,
+    part_unit: Unit | None,
+    full_unit: Unit | None,
     landmarks: Path | None,
     ignore: Path | None,
     ground_truth: Path | None,
@@ -92,6 +99,7 @@ def match_command(  # noqa: PLR0913 - one for each word that can be typed
     Examples:
       sherd match template.ply scan.ply -o out/
       sherd match template.ply scan.ply -o out/ --scale unknown
+      sherd match template.ply scan.ply -o out/ --part-unit mm --full-unit m
       sherd match template.ply scan.ply -o out/ --landmarks pairs.csv --export vtp
     """  # noqa: D301
     stages = Stages(len(STAGES) + 1, visible=False if quiet else None)
@@ -102,6 +110,8 @@ def match_command(  # noqa: PLR0913 - one for each word that can be typed
         ignore=_ignored(ignore, scan),
         side=side,
         seed=seed,
+        part_unit=part_unit,
+        full_unit=full_unit,
     )
     result, document = match_and_write(
         described,
@@ -151,13 +161,13 @@ def match_summary(result: MatchResult, document: dict[str, Any], output: Path) -
         f"{document['unmatched']} of {result.part.vertex_count} vertices unmatched, mean "
         f"confidence {document['mean_confidence']:.2f}."
     ]
-    if result.options.scale == "unknown":
-        lines.append(f"The part was enlarged {result.scale:.3f} times to fit.")
+    if result.scale != 1.0 or result.options.scale == "unknown":
+        lines.append(f"The part was enlarged {result.scale:.4g} times to fit.")
     lines += [
         f"Alternative: {other.name}, score {other.score:.3f}" for other in result.alternatives
     ]
     if result.status is Status.DOUBTFUL:
-        lines.append(f"The result is {result.status.advice}.")
+        lines.append(f"The result is {result.advice}.")
     if "ground_truth" in document:
         mean = document["ground_truth"]["mean_error_x100"]
         lines.append(f"Mean error against the ground truth: {mean:.2f} % of sqrt(area).")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -76,11 +77,12 @@ def _document(result: MatchResult, command: str, errors: Floats | None) -> dict[
     document = {
         **common_facts(result, file_format=FORMAT, command=command),
         "status": result.status.name.lower(),
-        "advice": result.status.advice,
+        "advice": result.advice,
         "scale": result.scale,
         "area_fraction": result.part.area * result.scale**2 / result.full.area,
         "unmatched": int((~result.matched).sum()),
         "mean_confidence": float(result.confidence.mean()),
+        "unfollowed_landmarks": [asdict(each) for each in result.unfollowed_landmarks],
         "scores": {name: score for name, score in scores.items() if score is not None},
         "alternatives": alternative_facts(result),
     }
@@ -197,10 +199,10 @@ def _sentences(result: MatchResult, document: Mapping[str, Any]) -> tuple[str, .
         f"An answer is within 0.05 sqrt(area) of the truth with a chance of "
         f"{100 * document['mean_confidence']:.0f} % on average.",
     ]
-    if result.options.scale == "unknown":
-        said.append(f"The part was enlarged {result.scale:.3f} times to fit.")
+    if result.scale != 1.0 or result.options.scale == "unknown":
+        said.append(f"The part was enlarged {result.scale:.4g} times to fit.")
     said += [*decimation_sentences(result), *alternative_sentences(result)]
-    said.append(f"The result is {result.status.advice}.")
+    said.append(f"The result is {result.advice}.")
     if "ground_truth" in document:
         mean = document["ground_truth"]["mean_error_x100"]
         said.append(f"Mean error against the ground truth: {mean:.2f} % of sqrt(area).")

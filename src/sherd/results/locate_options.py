@@ -4,12 +4,21 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Literal, TypeAlias, get_args
+from typing import Literal, TypeAlias, TypedDict, get_args
 
 from sherd.errors import OptionError
+from sherd.results.display import differences
 from sherd.scan.either_side import SIDES, Side
 
-__all__ = ["DESCRIPTORS", "METHODS", "SOLVERS", "DescriptorName", "LocateOptions", "Method"]
+__all__ = [
+    "DESCRIPTORS",
+    "METHODS",
+    "SOLVERS",
+    "DescriptorName",
+    "LocateKeywords",
+    "LocateOptions",
+    "Method",
+]
 
 Method: TypeAlias = Literal["voting", "logistic", "exponential", "subspace", "full"]
 Solver: TypeAlias = Literal["active-set", "augmented-lagrangian", "quadratic-program"]
@@ -28,7 +37,7 @@ _SPEAKS_TO: dict[str, tuple[tuple[Method, ...], str | int]] = {
 }
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class LocateOptions:
     """Parameters of :func:`sherd.locate`; the defaults need no tuning.
 
@@ -87,6 +96,9 @@ class LocateOptions:
     side: Side = "either"
     seed: int = 0
 
+    def __repr__(self) -> str:
+        return differences(self)
+
     def __post_init__(self) -> None:
         self._check_names()
         for name, least in (("basis_size", 2), ("iterations", 1), ("vocabulary_size", 2)):
@@ -120,6 +132,23 @@ class LocateOptions:
             if getattr(self, name) not in values:
                 known = ", ".join(value for value in values if value)
                 raise OptionError(f"{name} is {getattr(self, name)!r}, but must be one of {known}")
+
+
+class LocateKeywords(TypedDict, total=False):
+    """The fields of :class:`LocateOptions` as keywords of :func:`sherd.locate`."""
+
+    method: Method
+    descriptor: DescriptorName | None
+    solver: Solver | None
+    basis_size: int
+    regularity: float | None
+    smoothness: float | None
+    boundary: float | None
+    phase_width: float | None
+    iterations: int | None
+    vocabulary_size: int | None
+    side: Side
+    seed: int
 
 
 def _is_whole(value: object, least: int) -> bool:

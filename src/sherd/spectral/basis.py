@@ -11,7 +11,7 @@ from scipy import sparse
 from scipy.sparse.linalg import LinearOperator, eigsh, splu
 from threadpoolctl import threadpool_limits
 
-from sherd.arrays import Floats, frozen
+from sherd.arrays import Floats, FrozenState, frozen
 from sherd.errors import OptionError
 from sherd.mesh.geometry import edge_lengths
 from sherd.mesh.triangle_mesh import TriangleMesh
@@ -28,8 +28,8 @@ FLAT_FACE = 1e-7
 SHIFT = 1e-3
 
 
-@dataclass(frozen=True, eq=False)
-class EigenBasis:
+@dataclass(frozen=True, eq=False, repr=False)
+class EigenBasis(FrozenState):
     """Eigenpairs `W phi = lambda A phi`, ascending, area-orthonormal.
 
     Attributes
@@ -53,6 +53,9 @@ class EigenBasis:
     vertex_areas: Floats
     residual: float
     laplacian: str
+
+    def __repr__(self) -> str:
+        return f"EigenBasis({self.size} eigenpairs of {len(self.vertex_areas)} vertices)"
 
     @property
     def size(self) -> int:

@@ -57,6 +57,16 @@ class Template(DescribedSurface):
         super().__init__(working, known=known)
         self.intake = intake
 
+    def __repr__(self) -> str:
+        return f"Template({self.full.name!r}, {self.full.vertex_count} vertices)"
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**super().__getstate__(), "intake": self.intake}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        super().__setstate__({name: value for name, value in state.items() if name != "intake"})
+        self.intake = state["intake"]
+
     @property
     def full(self) -> TriangleMesh:
         """The full shape as it was given."""

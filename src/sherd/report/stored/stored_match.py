@@ -19,6 +19,7 @@ from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.report.known_layers import own_fields
 from sherd.report.stored.folder import folder_problems
+from sherd.results.advice import UnfollowedLandmark
 from sherd.results.match_options import MatchOptions
 from sherd.results.match_result import MatchResult
 from sherd.results.placement import Placement
@@ -89,6 +90,11 @@ def _result(path: Path, document: dict[str, Any]) -> MatchResult:
         version=document["version"],
         working_vertices=MappingProxyType(document["working_vertices"]),
         notices=MappingProxyType(notices),
+        advice=document["advice"],
+        unfollowed_landmarks=tuple(
+            UnfollowedLandmark(**{**each, "contradicts": tuple(each["contradicts"])})
+            for each in document.get("unfollowed_landmarks", ())
+        ),
     )
 
 
