@@ -132,6 +132,39 @@ def test_paraview_shows_the_colors_of_the_ply_files(side, vtk_array, folder) -> 
     np.testing.assert_array_equal(colors, colors_in(folder, side))
 
 
+def test_paraview_colors_by_confidence_and_keeps_the_sure(vtk_array, result, folder) -> None:
+    """The steps of docs/howto/paraview.md, by the classes that ParaView runs them with."""
+    from vtkmodules.vtkCommonDataModel import vtkDataObject  # noqa: PLC0415  not always installed
+    from vtkmodules.vtkFiltersCore import vtkThreshold  # noqa: PLC0415
+    from vtkmodules.vtkIOXML import vtkXMLPolyDataReader  # noqa: PLC0415
+    from vtkmodules.vtkRenderingCore import vtkPolyDataMapper  # noqa: PLC0415
+
+    reader = vtkXMLPolyDataReader()
+    reader.SetFileName(str(folder / "part.vtp"))
+    mapper = vtkPolyDataMapper()
+    mapper.SetInputConnection(reader.GetOutputPort())
+    mapper.SetScalarModeToUsePointFieldData()
+    mapper.SelectColorArray("confidence")
+    mapper.SetScalarRange(0, 1)
+    mapper.Update()
+    shades = vtk_array(mapper.MapScalars(1.0))
+    assert len(np.unique(shades, axis=0)) > 50
+    # uncheck Map Scalars: the stored colors themselves
+    mapper.SelectColorArray("correspondence")
+    mapper.SetColorModeToDirectScalars()
+    stored = vtk_array(mapper.MapScalars(1.0))[:, :3]
+    np.testing.assert_array_equal(stored, colors_in(folder, "part"))
+
+    sure = vtkThreshold()
+    sure.SetInputConnection(reader.GetOutputPort())
+    sure.SetInputArrayToProcess(0, 0, 0, vtkDataObject.FIELD_ASSOCIATION_POINTS, "confidence")
+    sure.SetThresholdFunction(vtkThreshold.THRESHOLD_UPPER)
+    sure.SetUpperThreshold(0.6)
+    sure.Update()
+    kept = (result.confidence >= 0.6)[result.part.faces].all(axis=1)
+    assert sure.GetOutput().GetNumberOfCells() == kept.sum()
+
+
 def test_trimesh_opens_the_scene_with_colors_and_attributes(result, folder) -> None:
     scene = trimesh.load_scene(folder / "result.glb", process=False)
     assert set(scene.geometry) == set(SIDES)
