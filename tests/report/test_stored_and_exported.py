@@ -141,7 +141,7 @@ def test_paraview_files_hold_what_the_map_carries(result, folder) -> None:
 
 
 def test_same_result_same_exported_bytes(exhibit) -> None:
-    kinds = ("vtp", "npz", "mat", "map", "vts")
+    kinds = ("vtp", "glb", "npz", "mat", "map", "vts")
     assert exported(exhibit, kinds) == exported(exhibit, kinds)
     assert scipy.io.loadmat(io.BytesIO(exported(exhibit, ["mat"])["result.mat"]))
 

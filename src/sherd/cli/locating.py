@@ -66,7 +66,7 @@ FILE = click.Path(path_type=Path)
     "exports",
     type=click.Choice(SHAPE_EXPORTS),
     multiple=True,
-    help="Further files: ParaView, NumPy, MATLAB. May be repeated.",
+    help="Further files: ParaView (vtp), web viewers (glb), NumPy, MATLAB. May be repeated.",
 )
 @click.option("--json", "as_json", is_flag=True, help="Print result.json on standard output.")
 @click.option("-q", "--quiet", is_flag=True, help="Print errors only.")

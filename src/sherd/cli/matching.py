@@ -67,8 +67,8 @@ FILE = click.Path(path_type=Path)
     "exports",
     type=click.Choice(SHAPE_EXPORTS + MAP_EXPORTS),
     multiple=True,
-    help="Further files: ParaView, NumPy, MATLAB, vertex maps from 0 (map) or 1 (vts). May be "
-    "repeated.",
+    help="Further files: ParaView (vtp), web viewers (glb), NumPy, MATLAB, vertex maps from 0 "
+    "(map) or 1 (vts). May be repeated.",
 )
 @click.option("--json", "as_json", is_flag=True, help="Print result.json on standard output.")
 @click.option("-q", "--quiet", is_flag=True, help="Print errors only.")

@@ -24,6 +24,7 @@ __all__ = [
     "color_table",
     "correspondence_layer",
     "layer_colors",
+    "linear_from_srgb",
     "part_layer",
 ]
 
@@ -72,10 +73,17 @@ def srgb_from_oklab(oklab: Floats) -> Bytes:
 
 def oklab_from_srgb(rgb: NDArray[np.generic]) -> Floats:
     """(n, 3) sRGB in 0..255 to Oklab."""
-    encoded = np.asarray(rgb, dtype=np.float64) / 255
-    linear = np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4)
-    oklab: Floats = np.cbrt(linear @ _CONES.T) @ _OKLAB.T
+    oklab: Floats = np.cbrt(linear_from_srgb(rgb) @ _CONES.T) @ _OKLAB.T
     return oklab
+
+
+def linear_from_srgb(rgb: NDArray[np.generic]) -> Floats:
+    """Amounts of light in [0, 1], (n, 3), of sRGB in 0..255."""
+    encoded = np.asarray(rgb, dtype=np.float64) / 255
+    linear: Floats = np.where(
+        encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4
+    )
+    return linear
 
 
 @cache

@@ -71,8 +71,9 @@ def painted_ply(
 ) -> bytes:
     """PLY with vertex colors and every layer as a vertex property.
 
-    MeshLab and Blender show the colors; the painted scalar is also stored as `quality`, by which
-    MeshLab maps colors and selects. Any PLY reader finds the other properties.
+    MeshLab and Blender show the colors. One scalar is also stored as `quality`, the only one that
+    MeshLab reads, maps to colors and selects by: the painted layer, or the first scalar when the
+    painted one is none. Any other PLY reader finds all properties.
 
     Parameters
     ----------
@@ -92,8 +93,10 @@ def painted_ply(
     chosen = painted or (layers[0] if layers else None)
     colors = layer_colors(chosen, mesh.vertex_count)
     values = layer_values(layers)
-    if chosen is not None and chosen.kind == "scalar":
-        values.setdefault("quality", chosen.values)
+    painted_first = [layer for layer in (chosen, *layers) if layer is not None]
+    scalar = next((layer for layer in painted_first if layer.kind == "scalar"), None)
+    if scalar is not None:
+        values.setdefault("quality", scalar.values)
     return encoded(mesh, ".ply", fields=values, colors=colors)
 
 
