@@ -163,7 +163,9 @@ def test_script_is_ascii_so_that_its_hash_holds_in_any_frame(document):
 def test_notebook_frame_holds_the_whole_page(exhibit, document):
     shown = show(exhibit)
     frame = re.fullmatch(
-        r'<iframe srcdoc="(.*?)" sandbox="allow-scripts" .*', shown._repr_html_(), re.DOTALL
+        r'<iframe srcdoc="(.*?)" sandbox="allow-scripts allow-downloads" .*',
+        shown._repr_html_(),
+        re.DOTALL,
     )
     assert html.unescape(frame.group(1)) == document
     assert len(repr(shown)) < 100
