@@ -44,6 +44,7 @@ def test_a_folder_shows_again_what_the_report_showed(result, folder) -> None:
     errors = np.linspace(0, 0.1, result.part.vertex_count)
     before = report_of(result, errors=errors).exhibit
     again = read_exhibit(folder)
+    assert again.verdict == before.verdict
     assert again.title == before.title
     for side in ("full_layers", "part_layers"):
         assert [layer.name for layer in getattr(again, side)] == [

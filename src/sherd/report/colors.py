@@ -6,6 +6,7 @@ way (there and back for "balance"), so that a gray print still orders the values
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -23,6 +24,7 @@ __all__ = [
     "UNKNOWN",
     "color_table",
     "correspondence_layer",
+    "full_layer",
     "layer_colors",
     "linear_from_srgb",
     "part_layer",
@@ -162,6 +164,15 @@ def correspondence_layer(full: TriangleMesh, *, name: str = "correspondence") ->
         description="Corresponding points have the same color; gray points have no partner.",
         carried=True,
     )
+
+
+def full_layer(exhibit: Exhibit, name: str) -> Layer | None:
+    """Layer that the full shape shows under `name`; carried colors are gray outside the region."""
+    layer = next((layer for layer in exhibit.full_layers if layer.name == name), None)
+    if layer is None or layer.kind != "color" or not layer.carried or exhibit.partner is None:
+        return layer
+    inside = np.asarray(exhibit.region)[:, None]
+    return replace(layer, values=np.where(inside, layer.values, UNKNOWN))
 
 
 def part_layer(exhibit: Exhibit, name: str) -> Layer | None:

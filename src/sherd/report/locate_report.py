@@ -7,7 +7,7 @@ from dataclasses import asdict
 from typing import Any
 
 from sherd.files.encode import encoded
-from sherd.report.exhibit import Alternative, Exhibit, Layer
+from sherd.report.exhibit import Alternative, Exhibit, Layer, Verdict
 from sherd.report.files import painted_ply
 from sherd.report.frame import (
     Report,
@@ -61,6 +61,9 @@ def _exhibit(result: LocateResult, document: Mapping[str, Any]) -> Exhibit:
         score=result.score,
         score_name="mean similarity of neighborhoods, 1 is best",
         alternatives=tuple(_alternative(other) for other in result.alternatives),
+        verdict=Verdict.from_advice(
+            result.convergence.advice, trusted=result.convergence.succeeded
+        ),
         summary=_sentences(result),
         facts=facts_of(
             document, ("status", "area_fraction", "score", "advice"), Energy=document["energy"]
@@ -103,6 +106,4 @@ def _sentences(result: LocateResult) -> tuple[str, ...]:
         *decimation_sentences(result),
         *alternative_sentences(result),
     ]
-    if not result.convergence.succeeded:
-        said.append(f"The solver {result.convergence.advice}.")
     return (*said, *notice_sentences(result))

@@ -10,8 +10,8 @@ import numpy as np
 
 from sherd.arrays import Floats, Ints
 from sherd.mesh.surface_points import SurfacePoints
-from sherd.report.colors import correspondence_layer, part_layer
-from sherd.report.exhibit import Alternative, Exhibit, Layer, Partner
+from sherd.report.colors import correspondence_layer, full_layer, part_layer
+from sherd.report.exhibit import Alternative, Exhibit, Layer, Partner, Verdict
 from sherd.report.files import corr_text, painted_ply, table_csv
 from sherd.report.frame import (
     Report,
@@ -28,6 +28,7 @@ from sherd.report.stored.stored_match import FORMAT, stored_alternatives
 from sherd.results.distortion import edge_stretch, faces_preserved, mean_at_vertices
 from sherd.results.match_result import MatchResult
 from sherd.results.placement import Placement
+from sherd.results.status import Status
 
 __all__ = ["match_report"]
 
@@ -39,7 +40,7 @@ def match_report(result: MatchResult, *, command: str = "", errors: Floats | Non
     """All that is written of a match; `errors` (n_part,) where the truth is known."""
     document = _document(result, command, errors)
     exhibit = _exhibit(result, document, errors)
-    colors = exhibit.full_layers[0]
+    colors = full_layer(exhibit, exhibit.full_layers[0].name) or exhibit.full_layers[0]
     carried = part_layer(exhibit, colors.name) or colors
     files: dict[str, str | bytes] = {
         "correspondence.csv": _correspondence_csv(result),
@@ -109,6 +110,9 @@ def _exhibit(result: MatchResult, document: Mapping[str, Any], errors: Floats | 
         score=result.best.score,
         score_name="similarity of neighborhoods minus strain, 1 is best",
         alternatives=tuple(_alternative(result, other, errors) for other in result.alternatives),
+        verdict=Verdict.from_advice(
+            result.status.advice, trusted=result.status is not Status.DOUBTFUL
+        ),
         summary=_sentences(result, document),
         facts=facts_of(
             document,
@@ -117,6 +121,8 @@ def _exhibit(result: MatchResult, document: Mapping[str, Any], errors: Floats | 
             Scores=document["scores"],
         ),
         command=str(document["command"]),
+        landmarks=result.options.landmarks,
+        ignored=tuple(result.options.ignore),
         region=result.best.mask,
     )
 
@@ -137,6 +143,7 @@ def _alternative(result: MatchResult, other: Placement, errors: Floats | None) -
             known_layer("membership", other.membership),
         ),
         partner=Partner(points),
+        region=other.mask,
         part_layers=(
             known_layer("confidence", unknown),
             Layer("matched", undecided, "category", description="Not decided for this placement."),
@@ -202,8 +209,11 @@ def _sentences(result: MatchResult, document: Mapping[str, Any]) -> tuple[str, .
     if result.scale != 1.0 or result.options.scale == "unknown":
         said.append(f"The part was enlarged {result.scale:.4g} times to fit.")
     said += [*decimation_sentences(result), *alternative_sentences(result)]
-    said.append(f"The result is {result.advice}.")
     if "ground_truth" in document:
         mean = document["ground_truth"]["mean_error_x100"]
-        said.append(f"Mean error against the ground truth: {mean:.2f} % of sqrt(area).")
+        length = mean / 100 * np.sqrt(result.full.area)
+        said.append(
+            f"Mean error against the ground truth: {mean:.2f} % of sqrt(area), "
+            f"{length:.3g} in the units of the full shape's file."
+        )
     return (*said, *notice_sentences(result))

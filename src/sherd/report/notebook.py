@@ -36,9 +36,10 @@ class Shown:
         return f"Shown({len(self.document):,} characters; displayed by notebooks)"
 
     def _repr_html_(self) -> str:
-        # a frame of its own, without access to the notebook: scripts run, nothing else does
+        # a frame of its own, without access to the notebook: scripts run and files can be saved
         return (
-            f'<iframe srcdoc="{html.escape(self.document)}" sandbox="allow-scripts" '
+            f'<iframe srcdoc="{html.escape(self.document)}" '
+            'sandbox="allow-scripts allow-downloads" '
             f'style="width:100%;height:{self.height}px;border:0"></iframe>'
         )
 
