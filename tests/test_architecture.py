@@ -24,6 +24,7 @@ FLOORS = {
     "errors": 1,
     "arrays": 1,
     "compiled": 1,
+    "limits": 1,
     "npz": 1,
     "output": 1,
     "result_folder": 1,

@@ -1,4 +1,4 @@
-"""Where compiled code is kept: never nowhere with an error, never a stale one, never a stranger's."""
+"""Where compiled code is kept: nowhere is no error, and nothing stale or planted is loaded."""
 
 from __future__ import annotations
 

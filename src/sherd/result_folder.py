@@ -16,7 +16,7 @@ from typing import Any, Self
 from sherd.errors import OutputError
 from sherd.output import reported, require_writable
 
-__all__ = ["RESULT", "ResultFolder", "ResultKind", "replaceable_files"]
+__all__ = ["NAMES", "RESULT", "ResultFolder", "ResultKind", "replaceable_files"]
 
 RESULT = "result.json"
 # Whatever a result may consist of: a file of such a name is never taken for the user's own.

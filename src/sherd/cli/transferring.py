@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sherd.arrays import Floats
+from sherd.cli.options import quiet_option
 from sherd.cli.tables import columns_of, numbers_of
 from sherd.errors import InputError
 from sherd.files.mesh_files import read_mesh, write_mesh
@@ -36,7 +37,7 @@ FILE = click.Path(path_type=Path)
     help="Which shape gets the values; they come from the other.",
 )
 @click.option("--labels", is_flag=True, help="Values are labels: never interpolate.")
-@click.option("-q", "--quiet", is_flag=True, help="Print errors only.")
+@quiet_option()
 def transfer_command(
     folder: Path, values: Path, output: Path, *, to: str, labels: bool, quiet: bool
 ) -> int:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
 from sherd.errors import OptionError
+from sherd.limits import require_seed
 from sherd.scan.either_side import SIDES, Side
 
 __all__ = ["SCALES", "MatchOptions", "Scale"]
@@ -64,7 +65,6 @@ class MatchOptions:
         clash = {part for part, _ in landmarks} & set(ignore)
         if clash:
             raise OptionError(f"vertex {min(clash)} of the part is a landmark and ignored")
-        if self.seed < 0:
-            raise OptionError(f"seed is {self.seed}, but it must not be negative")
+        require_seed(self.seed)
         object.__setattr__(self, "landmarks", landmarks)
         object.__setattr__(self, "ignore", ignore)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -14,6 +14,7 @@ from scipy import sparse
 from sherd._version import __version__
 from sherd.arrays import Bools, Floats, Ints
 from sherd.errors import InvalidMeshError
+from sherd.limits import require_finite
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.results import transfer
@@ -97,6 +98,8 @@ class MatchResult:
         shapes are searched on a mesh of moderate size; the answers are for the shapes themselves.
     notices
         What was adapted in the shapes, in sentences, by "full" and "part".
+    min_confidence
+        Vertices below it were made unmatched afterwards, by :meth:`with_min_confidence`.
 
     Examples
     --------
@@ -121,6 +124,7 @@ class MatchResult:
     version: str = field(default=__version__)
     working_vertices: Mapping[str, int] = field(default_factory=dict)
     notices: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    min_confidence: float = 0.0
 
     def __post_init__(self) -> None:
         for placement in (self.best, *self.alternatives):
@@ -168,6 +172,25 @@ class MatchResult:
     def nearest_vertices(self) -> Ints:
         """(n_part,) the vertex of the full shape nearest to each answer."""
         return self.points.nearest_vertices(self.full)
+
+    def with_min_confidence(self, least: float) -> MatchResult:
+        """The same, but vertices with a confidence below `least` are unmatched.
+
+        Nothing else changes: their points and confidence stay, and so does the region. Once
+        unmatched they stay so.
+
+        Raises
+        ------
+        OptionError
+            If `least` is not within 0 and 1.
+        """
+        require_finite("min_confidence", least, 0, 1, "it is a chance")
+        sure = self.matched & (self.confidence >= least)
+        return replace(
+            self,
+            best=replace(self.best, matched=sure),
+            min_confidence=max(self.min_confidence, float(least)),
+        )
 
     def matrix(self) -> sparse.csr_array:
         """(n_part, n_full) weights that carry values of the full shape to the part.
