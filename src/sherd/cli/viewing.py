@@ -10,7 +10,7 @@ import click
 
 from sherd.cli.options import quiet_option
 from sherd.errors import InputError
-from sherd.output import write_bytes
+from sherd.output import require_writable, write_bytes
 from sherd.report.drawing.picture import picture, png_bytes
 from sherd.report.stored.folder import folder_problems
 from sherd.report.stored.stored_exhibit import read_exhibit
@@ -50,6 +50,7 @@ def view_command(
     """  # noqa: D301
     if png:
         path = output or folder / "view.png"
+        require_writable(path)
         image = picture(read_exhibit(folder), layer=layer, width=width, transparent=transparent)
         write_bytes(path, png_bytes(image))
         if not quiet:

@@ -243,12 +243,12 @@ class MatchResult:
         """Values (n_part,) or (n_part, c) at the full shape's vertices; NaN outside."""
         return transfer.field_to_full(self, values)
 
-    def labels_to_part(self, labels: ArrayLike) -> Ints:
-        """Whole-number labels (n_full,) at the part's vertices; -1 if unmatched."""
+    def labels_to_part(self, labels: ArrayLike) -> transfer.Labels:
+        """Labels (n_full,), whole numbers or text, at the part; unmatched: -1 or ""."""
         return transfer.labels_to_part(self, labels)
 
-    def labels_to_full(self, labels: ArrayLike) -> Ints:
-        """Whole-number labels (n_part,) at the full shape's vertices; -1 outside."""
+    def labels_to_full(self, labels: ArrayLike) -> transfer.Labels:
+        """Labels (n_part,), whole numbers or text, at the full shape; outside: -1 or ""."""
         return transfer.labels_to_full(self, labels)
 
     def landmarks_to_part(self, vertices: ArrayLike) -> tuple[SurfacePoints, Floats]:
