@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import jsonschema
@@ -11,23 +12,25 @@ import numpy as np
 import pytest
 
 from sherd.locate import locate
-from sherd.match import match
 from sherd.report.write import write_report
 from sherd.results.match_options import MatchOptions
-from sherd.shapes.creature import creature
-from sherd.shapes.fragment import cut_by_ball, whole
 
 SCHEMAS = Path(__file__).parents[2] / "docs" / "schema"
 
 
 @pytest.fixture(scope="module")
-def documents(tmp_path_factory) -> dict[str, dict]:
+def documents(exhibit_of_size, match_result_of, tmp_path_factory) -> dict[str, dict]:
     folder = tmp_path_factory.mktemp("schema")
-    full = creature(5000)
-    part = cut_by_ball(whole(creature(5000, pose="walk"), full), 0, 0.5).mesh
-    matched = match(full, part, MatchOptions(ignore=(3,))).with_min_confidence(0.5)
-    write_report(matched, folder / "match", errors=np.zeros(part.vertex_count))
-    write_report(locate(full, part), folder / "locate")
+    exhibit = exhibit_of_size(region=exhibit_of_size().full.vertices[:, 0] > 0)
+    matched = replace(
+        match_result_of(exhibit),
+        working_vertices={"full": 600, "part": 300},
+        timings={"votes": 0.5},
+        second_score=0.7,
+        options=MatchOptions(ignore=(3,), landmarks=((1, 2),)),
+    ).with_min_confidence(0.5)
+    write_report(matched, folder / "match", errors=np.zeros(matched.part.vertex_count))
+    write_report(locate(matched.full, matched.part), folder / "locate")
     return {
         kind: json.loads((folder / kind / "result.json").read_text())
         for kind in ("match", "locate")
