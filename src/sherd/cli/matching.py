@@ -10,12 +10,21 @@ import click
 import numpy as np
 
 from sherd.cli.exits import NOT_CONVERGED
-from sherd.cli.inputs import ScaleType, command_line, show_notices, stored_template
+from sherd.cli.inputs import (
+    ScaleType,
+    check_outputs,
+    command_line,
+    show_notices,
+    stored_template,
+)
+from sherd.cli.options import overwrite_option, quiet_option
 from sherd.cli.tables import read_ground_truth, read_ignored, read_landmarks
+from sherd.limits import require_finite, require_seed
 from sherd.match import STAGES, match
 from sherd.mesh.units import UNITS, Unit
 from sherd.output import Stages
 from sherd.report.exports import MAP_EXPORTS, SHAPE_EXPORTS
+from sherd.report.stored.folder import MATCH_FORMAT
 from sherd.report.write import write_report
 from sherd.results.match_options import SCALES, MatchOptions, Scale
 from sherd.results.match_result import MatchResult
@@ -61,6 +70,13 @@ FILE = click.Path(path_type=Path)
     show_default=True,
     help="Given: the faces of PART look outward.",
 )
+@click.option(
+    "--min-confidence",
+    type=float,
+    default=0.0,
+    show_default=True,
+    help="Below it a vertex counts as unmatched; 0 to 1.",
+)
 @click.option("--seed", type=int, default=0, show_default=True)
 @click.option(
     "--export",
@@ -70,8 +86,9 @@ FILE = click.Path(path_type=Path)
     help="Further files: ParaView (vtp), web viewers (glb), NumPy, MATLAB, vertex maps from 0 "
     "(map) or 1 (vts). May be repeated.",
 )
+@overwrite_option
 @click.option("--json", "as_json", is_flag=True, help="Print result.json on standard output.")
-@click.option("-q", "--quiet", is_flag=True, help="Print errors only.")
+@quiet_option()
 def match_command(  # noqa: PLR0913 - one for each word that can be typed
     full: Path,
     part: Path,
@@ -85,8 +102,10 @@ def match_command(  # noqa: PLR0913 - one for each word that can be typed
     ground_truth: Path | None,
     template: Path | None,
     side: Side,
+    min_confidence: float,
     seed: int,
     exports: tuple[str, ...],
+    overwrite: bool,
     as_json: bool,
     quiet: bool,
 ) -> int:
@@ -102,8 +121,12 @@ def match_command(  # noqa: PLR0913 - one for each word that can be typed
       sherd match template.ply scan.ply -o out/ --part-unit mm --full-unit m
       sherd match template.ply scan.ply -o out/ --landmarks pairs.csv --export vtp
     """  # noqa: D301
+    require_finite("min_confidence", min_confidence, 0, 1, "it is a chance")
+    require_seed(seed)
+    check_outputs(output, MATCH_FORMAT, full, part, overwrite=overwrite, template=template)
     stages = Stages(len(STAGES) + 1, visible=False if quiet else None)
-    described, scan = stored_template(template, full), scan_intake(part)
+    scan = scan_intake(part)
+    described = stored_template(template, full, quiet=quiet)
     options = MatchOptions(
         scale=scale,
         landmarks=_landmarks(landmarks, described.intake, scan),
@@ -121,8 +144,10 @@ def match_command(  # noqa: PLR0913 - one for each word that can be typed
         stages=stages,
         truth=ground_truth,
         exports=exports,
+        min_confidence=min_confidence,
     )
     stages.close()
+    show_notices(result, quiet=quiet)
     if as_json:
         click.echo(json.dumps(document, indent=2))
     elif not quiet:
@@ -139,17 +164,22 @@ def match_and_write(
     stages: Stages,
     truth: Path | None = None,
     exports: tuple[str, ...] = (),
+    min_confidence: float = 0.0,
 ) -> tuple[MatchResult, dict[str, Any]]:
-    """Match, say what was adapted, and write the answer."""
+    """Match and write the answer into a folder that `check_outputs` has found free."""
     true_points = None if truth is None else read_ground_truth(truth, full.full, part.original)
-    result = match(full, part, options, stages=stages)
-    show_notices(result)
+    result = match(full, part, options, stages=stages).with_min_confidence(min_confidence)
     with stages("files"):
         errors = None
         if true_points is not None:
             errors = SurfaceDistances(result.full).between(true_points, result.points)
         document = write_report(
-            result, output, command=command_line(), errors=errors, exports=exports
+            result,
+            output,
+            command=command_line(),
+            errors=errors,
+            exports=exports,
+            overwrite=True,  # check_outputs has asked
         )
     return result, document
 

@@ -6,9 +6,7 @@ Each function makes the content of one file; :func:`sherd.output.write_bytes`, `
 
 from __future__ import annotations
 
-import io
 import re
-import zipfile
 from collections.abc import Iterable, Mapping
 
 import numpy as np
@@ -23,7 +21,6 @@ from sherd.report.colors import layer_colors
 from sherd.report.exhibit import Layer, Partner
 
 __all__ = [
-    "arrays_npz",
     "corr_text",
     "layer_values",
     "painted_ply",
@@ -31,9 +28,6 @@ __all__ = [
     "table_csv",
     "vertex_map_text",
 ]
-
-# A zip entry without a date of its own: the earliest that the format can say.
-ZIP_DATE = (1980, 1, 1, 0, 0, 0)
 
 
 def property_name(name: str) -> str:
@@ -134,29 +128,6 @@ def table_csv(columns: Mapping[str, ArrayLike]) -> str:
     cells = [_cells(array) for array in arrays.values()]
     lines = [",".join(arrays), *(",".join(row) for row in zip(*cells, strict=True))]
     return "\n".join(lines) + "\n"
-
-
-def arrays_npz(arrays: Mapping[str, ArrayLike]) -> bytes:
-    """NPZ (compressed, no pickled objects) whose bytes depend on the arrays only.
-
-    Raises
-    ------
-    OptionError
-        If an array holds objects.
-    """
-    stream = io.BytesIO()
-    with zipfile.ZipFile(stream, "w") as archive:
-        for name, values in arrays.items():
-            array = np.asarray(values)
-            if array.dtype.hasobject:
-                raise OptionError(f"array {name!r} holds Python objects; only numbers are stored")
-            entry = io.BytesIO()
-            np.lib.format.write_array(entry, array, allow_pickle=False)
-            # numpy.savez would store the time of day here
-            info = zipfile.ZipInfo(f"{name}.npy", date_time=ZIP_DATE)
-            info.compress_type = zipfile.ZIP_DEFLATED
-            archive.writestr(info, entry.getvalue())
-    return stream.getvalue()
 
 
 def corr_text(partner: Partner) -> str:

@@ -20,6 +20,7 @@ from sherd.report.frame import (
     region_csv,
 )
 from sherd.report.known_layers import file_layers, known_layer, located_part_layers
+from sherd.report.stored.folder import REGION_FORMAT
 from sherd.results.locate_result import LocateResult
 from sherd.results.placement import Placement
 
@@ -40,7 +41,7 @@ def locate_report(result: LocateResult, *, command: str = "") -> Report:
 
 def _document(result: LocateResult, command: str) -> dict[str, Any]:
     return {
-        **common_facts(result, file_format="sherd region 1", command=command),
+        **common_facts(result, file_format=REGION_FORMAT, command=command),
         "status": result.convergence.name.lower().replace("_", "-"),
         "advice": result.convergence.advice,
         "area_fraction": result.area_fraction,

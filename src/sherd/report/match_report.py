@@ -24,7 +24,8 @@ from sherd.report.frame import (
     region_csv,
 )
 from sherd.report.known_layers import error_layer, file_layers, known_layer
-from sherd.report.stored.stored_match import FORMAT, stored_alternatives
+from sherd.report.stored.folder import MATCH_FORMAT
+from sherd.report.stored.stored_match import stored_alternatives
 from sherd.results.distortion import edge_stretch, faces_preserved, mean_at_vertices
 from sherd.results.match_result import MatchResult
 from sherd.results.placement import Placement
@@ -76,7 +77,7 @@ def _document(result: MatchResult, command: str, errors: Floats | None) -> dict[
         "mirrored twin": result.twin_score,
     }
     document = {
-        **common_facts(result, file_format=FORMAT, command=command),
+        **common_facts(result, file_format=MATCH_FORMAT, command=command),
         "status": result.status.name.lower(),
         "advice": result.advice,
         "scale": result.scale,
@@ -84,6 +85,7 @@ def _document(result: MatchResult, command: str, errors: Floats | None) -> dict[
         "unmatched": int((~result.matched).sum()),
         "mean_confidence": float(result.confidence.mean()),
         "unfollowed_landmarks": [asdict(each) for each in result.unfollowed_landmarks],
+        "min_confidence": result.min_confidence,
         "scores": {name: score for name, score in scores.items() if score is not None},
         "alternatives": alternative_facts(result),
     }
@@ -110,9 +112,7 @@ def _exhibit(result: MatchResult, document: Mapping[str, Any], errors: Floats | 
         score=result.best.score,
         score_name="similarity of neighborhoods minus strain, 1 is best",
         alternatives=tuple(_alternative(result, other, errors) for other in result.alternatives),
-        verdict=Verdict.from_advice(
-            result.status.advice, trusted=result.status is not Status.DOUBTFUL
-        ),
+        verdict=Verdict.from_advice(result.advice, trusted=result.status is not Status.DOUBTFUL),
         summary=_sentences(result, document),
         facts=facts_of(
             document,
@@ -206,6 +206,10 @@ def _sentences(result: MatchResult, document: Mapping[str, Any]) -> tuple[str, .
         f"An answer is within 0.05 sqrt(area) of the truth with a chance of "
         f"{100 * document['mean_confidence']:.0f} % on average.",
     ]
+    if result.min_confidence > 0:
+        said.append(
+            f"Vertices with a confidence below {result.min_confidence:g} count as unmatched."
+        )
     if result.scale != 1.0 or result.options.scale == "unknown":
         said.append(f"The part was enlarged {result.scale:.4g} times to fit.")
     said += [*decimation_sentences(result), *alternative_sentences(result)]

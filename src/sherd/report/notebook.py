@@ -85,12 +85,12 @@ def plot(
         ``"distortion"``, ``"orientation"``, ``"phase field"`` or ``"<name> (from the file)"`` for a
         vertex field of the input. The map of a match and the membership of a region when None.
     width
-        In pixels, at least 400.
+        In pixels, 400 to 10,000.
 
     Raises
     ------
     OptionError
-        If the result has no such layer or the width is too small.
+        If the result has no such layer or the width is out of range.
 
     Examples
     --------

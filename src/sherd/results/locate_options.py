@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import Literal, TypeAlias, TypedDict, get_args
 
 from sherd.errors import OptionError
+from sherd.limits import require_finite, require_seed, require_whole
 from sherd.results.display import differences
 from sherd.scan.either_side import SIDES, Side
 
@@ -35,6 +35,24 @@ _SPEAKS_TO: dict[str, tuple[tuple[Method, ...], str | int]] = {
     "solver": (("subspace",), "active-set"),
     "iterations": (("subspace", "full"), 5),
 }
+
+# The least and the most of each number, and why not more.
+_LIMITS: dict[str, tuple[int, int, str]] = {
+    "basis_size": (
+        2,
+        1000,
+        "higher eigenvectors wave within a few edges of the mesh that is searched, and the time "
+        "grows with the square of their number",
+    ),
+    "iterations": (1, 1000, "the alternation settles within tens"),
+    "vocabulary_size": (
+        2,
+        2000,
+        "more words than a few per hundred vertices each stand for one neighborhood only",
+    ),
+}
+# Energies are dimensionless and of order 1, so that double precision loses what is 1e-12 of them.
+LARGEST_WEIGHT = 1e12
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -101,16 +119,14 @@ class LocateOptions:
 
     def __post_init__(self) -> None:
         self._check_names()
-        for name, least in (("basis_size", 2), ("iterations", 1), ("vocabulary_size", 2)):
-            value = getattr(self, name)
-            if value is not None and not _is_whole(value, least):
-                raise OptionError(f"{name} is {value!r}, but a whole number >= {least} is needed")
-        if not _is_whole(self.seed, 0):
-            raise OptionError(f"seed is {self.seed!r}, but a whole number >= 0 is needed")
+        for name, (least, most, reason) in _LIMITS.items():
+            if getattr(self, name) is not None:
+                require_whole(name, getattr(self, name), least, most, reason)
+        require_seed(self.seed)
         for name in ("regularity", "smoothness", "boundary", "phase_width"):
             weight = getattr(self, name)
-            if weight is not None and not (math.isfinite(weight) and weight >= 0):
-                raise OptionError(f"{name} is {weight}, but a finite number >= 0 is needed")
+            if weight is not None:
+                require_finite(name, weight, 0, LARGEST_WEIGHT, "the other terms vanish beside it")
         for name, (methods, default) in _SPEAKS_TO.items():
             if self.method in methods:
                 if getattr(self, name) is None:
@@ -149,7 +165,3 @@ class LocateKeywords(TypedDict, total=False):
     vocabulary_size: int | None
     side: Side
     seed: int
-
-
-def _is_whole(value: object, least: int) -> bool:
-    return isinstance(value, int) and not isinstance(value, bool) and value >= least

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sherd.errors import OptionError
+from sherd.limits import require_seed
 from sherd.mesh.units import UNITS, Unit, unit_factor
 from sherd.results.display import differences
 from sherd.results.vertex_lists import named_vertices, vertex_pairs
@@ -78,8 +79,7 @@ class MatchOptions:
         clash = {part for part, _ in landmarks} & set(ignore)
         if clash:
             raise OptionError(f"vertex {min(clash)} of the part is a landmark and ignored")
-        if not _is_whole(self.seed) or self.seed < 0:
-            raise OptionError(f"seed is {self.seed!r}, but a whole number >= 0 is needed")
+        require_seed(self.seed)
         object.__setattr__(self, "landmarks", landmarks)
         object.__setattr__(self, "ignore", ignore)
         object.__setattr__(self, "seed", int(self.seed))

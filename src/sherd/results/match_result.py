@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -14,6 +14,7 @@ from scipy import sparse
 from sherd._version import __version__
 from sherd.arrays import Bools, Floats, FrozenState, Ints
 from sherd.errors import InvalidMeshError
+from sherd.limits import require_finite
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.results import transfer
@@ -103,6 +104,8 @@ class MatchResult(FrozenState):
         What to do about the status, with the names of what is wrong; the status's own if empty.
     unfollowed_landmarks
         Landmarks that the answer does not follow or that contradict each other, farthest first.
+    min_confidence
+        Vertices below it were made unmatched afterwards, by :meth:`with_min_confidence`.
 
     Examples
     --------
@@ -129,6 +132,7 @@ class MatchResult(FrozenState):
     notices: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     advice: str = ""
     unfollowed_landmarks: tuple[UnfollowedLandmark, ...] = ()
+    min_confidence: float = 0.0
 
     def __post_init__(self) -> None:
         if not self.advice:
@@ -193,6 +197,25 @@ class MatchResult(FrozenState):
         """(n_part,) the vertex of the full shape nearest to each answer."""
         return self.points.nearest_vertices(self.full)
 
+    def with_min_confidence(self, least: float) -> MatchResult:
+        """The same, but vertices with a confidence below `least` are unmatched.
+
+        Nothing else changes: their points and confidence stay, and so does the region. Once
+        unmatched they stay so.
+
+        Raises
+        ------
+        OptionError
+            If `least` is not within 0 and 1.
+        """
+        require_finite("min_confidence", least, 0, 1, "it is a chance")
+        sure = self.matched & (self.confidence >= least)
+        return replace(
+            self,
+            best=replace(self.best, matched=sure),
+            min_confidence=max(self.min_confidence, float(least)),
+        )
+
     def matrix(self) -> sparse.csr_array:
         """(n_part, n_full) weights that carry values of the full shape to the part.
 
@@ -244,12 +267,12 @@ class MatchResult(FrozenState):
         """Values (n_part,) or (n_part, c) at the full shape's vertices; NaN outside."""
         return transfer.field_to_full(self, values)
 
-    def labels_to_part(self, labels: ArrayLike) -> Ints:
-        """Whole-number labels (n_full,) at the part's vertices; -1 if unmatched."""
+    def labels_to_part(self, labels: ArrayLike) -> transfer.Labels:
+        """Labels (n_full,), whole numbers or text, at the part; unmatched: -1 or ""."""
         return transfer.labels_to_part(self, labels)
 
-    def labels_to_full(self, labels: ArrayLike) -> Ints:
-        """Whole-number labels (n_part,) at the full shape's vertices; -1 outside."""
+    def labels_to_full(self, labels: ArrayLike) -> transfer.Labels:
+        """Labels (n_part,), whole numbers or text, at the full shape; outside: -1 or ""."""
         return transfer.labels_to_full(self, labels)
 
     def landmarks_to_part(self, vertices: ArrayLike) -> tuple[SurfacePoints, Floats]:

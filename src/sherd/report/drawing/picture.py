@@ -11,6 +11,7 @@ from PIL import Image, ImageDraw, ImageFont
 
 from sherd.arrays import Floats
 from sherd.errors import OptionError
+from sherd.limits import require_memory, require_whole
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.output import write_bytes
 from sherd.report.colors import full_layer, layer_colors, part_layer
@@ -34,6 +35,11 @@ LEAST_EXTENT_SHARE = 0.55
 SCALE_BAR = 120
 # White around a shape, relative to its panel.
 MARGIN = 0.05
+# Two shapes with words need 400 pixels; 10,000 are A3 across at 600 dots per inch.
+WIDTHS = (400, 10_000)
+# A panel is half as wide as the picture and 0.4 of its width high; its depths and faces are kept
+# for 9 rays a pixel, 12 bytes each. The rest is three copies of the picture.
+BYTES_PER_SQUARE = 30
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,15 +96,15 @@ def picture(
     Raises
     ------
     OptionError
-        If no layer has that name or the width is below 400.
+        If no layer has that name, the width is not within 400 and 10,000, or memory is short.
 
     Notes
     -----
     The same exhibit gives the same bytes. A second view from behind is added when the first one
     hides much of the region.
     """
-    if width < 400:
-        raise OptionError(f"width is {width}, but 400 pixels are the least that hold two shapes")
+    require_whole("width", width, *WIDTHS, "fewer do not hold two shapes, and more fill no page")
+    require_memory(BYTES_PER_SQUARE * width**2, f"a picture {width} wide", "ask for a smaller one")
     panels = _panels(exhibit, layer, staging or stage(exhibit))
     unit = width / 1600
     size = (width // len(panels), round(0.40 * width))

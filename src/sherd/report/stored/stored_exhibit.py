@@ -18,7 +18,7 @@ from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.report.colors import correspondence_layer
 from sherd.report.exhibit import Exhibit, Partner, Verdict
 from sherd.report.known_layers import file_layers, located_part_layers, stored_layers
-from sherd.report.stored.folder import folder_problems
+from sherd.report.stored.folder import MATCH_FORMAT, REGION_FORMAT, folder_problems
 from sherd.report.stored.stored_match import read_match
 from sherd.results.status import Status
 
@@ -42,9 +42,9 @@ def read_exhibit(folder: str | os.PathLike[str]) -> Exhibit:
     try:
         document = json.loads((path / "result.json").read_text(encoding="utf-8"))
         kind = document.get("format")
-        if kind == "sherd match 1":
+        if kind == MATCH_FORMAT:
             return _match_exhibit(path, document)
-        if kind == "sherd region 1":
+        if kind == REGION_FORMAT:
             return _region_exhibit(path, document)
     except SherdError:
         raise

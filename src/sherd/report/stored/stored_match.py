@@ -18,16 +18,14 @@ from sherd.files.mesh_files import read_mesh
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.report.known_layers import own_fields
-from sherd.report.stored.folder import folder_problems
+from sherd.report.stored.folder import MATCH_FORMAT, folder_problems
 from sherd.results.advice import UnfollowedLandmark
 from sherd.results.match_options import MatchOptions
 from sherd.results.match_result import MatchResult
 from sherd.results.placement import Placement
 from sherd.results.status import Status
 
-__all__ = ["FORMAT", "read_match", "stored_alternatives"]
-
-FORMAT = "sherd match 1"
+__all__ = ["read_match", "stored_alternatives"]
 
 
 def stored_alternatives(alternatives: tuple[Placement, ...]) -> bytes:
@@ -64,7 +62,7 @@ def read_match(folder: str | os.PathLike[str]) -> MatchResult:
         raise InputError(problems[0])
     try:
         document = json.loads((path / "result.json").read_text(encoding="utf-8"))
-        if document.get("format") != FORMAT:
+        if document.get("format") != MATCH_FORMAT:
             raise InputError(f"{path}: holds {document.get('format')!r}, not the result of a match")
         return _result(path, document)
     except SherdError:
@@ -95,6 +93,7 @@ def _result(path: Path, document: dict[str, Any]) -> MatchResult:
             UnfollowedLandmark(**{**each, "contradicts": tuple(each["contradicts"])})
             for each in document.get("unfollowed_landmarks", ())
         ),
+        min_confidence=float(document.get("min_confidence", 0.0)),
     )
 
 
