@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from sherd.arrays import Bools, Ints
+from sherd.arrays import Ints
 from sherd.correspondence.question import Pins
 from sherd.errors import InfeasibleError, OptionError
 from sherd.mesh.triangle_mesh import TriangleMesh
@@ -52,8 +52,6 @@ def landmark_pairs(options: MatchOptions) -> Ints:
 def without_ignored(part: Intake, options: MatchOptions) -> tuple[TriangleMesh, Ints]:
     """The repaired part without faces at ignored vertices, and the old index of each vertex.
 
-    Sheets that repair separated are left out as well if they say nothing of their own.
-
     Raises
     ------
     InfeasibleError
@@ -63,29 +61,10 @@ def without_ignored(part: Intake, options: MatchOptions) -> tuple[TriangleMesh, 
     new = part.report.new_vertices[ignored]
     dropped = np.zeros(part.mesh.vertex_count, dtype=bool)
     dropped[new[new >= 0]] = True  # those that repair left out are ignored anyway
-    keep = ~(dropped | _said_elsewhere(part))[part.mesh.faces].any(axis=1)
+    keep = ~dropped[part.mesh.faces].any(axis=1)
     if not keep.any():
         raise InfeasibleError("every face of the part touches an ignored vertex")
     return part.mesh.submesh(keep)
-
-
-def _said_elsewhere(part: Intake) -> Bools:
-    """Vertices (n',) of the repaired part on sheets that lie on larger ones with every vertex.
-
-    A scanner sews skin to skin with single faces, at edges that then have three. Repair separates
-    these; each would be a component that must be placed, though its vertices have an answer on the
-    sheet that it was sewn to.
-    """
-    mesh, original = part.mesh, part.report.original_vertices
-    if len(np.unique(original)) == len(original):  # no vertex was doubled
-        return np.zeros(mesh.vertex_count, dtype=bool)
-    labels = mesh.component_labels
-    areas = np.bincount(labels, mesh.vertex_areas)
-    largest = np.zeros(part.original.vertex_count)
-    np.maximum.at(largest, original, areas[labels])
-    own = np.bincount(labels, areas[labels] >= largest[original]) > 0
-    elsewhere: Bools = ~own[labels]
-    return elsewhere
 
 
 def pins_of(template: Template, part: Intake, kept: Ints, options: MatchOptions) -> Pins:
