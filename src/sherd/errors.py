@@ -94,10 +94,10 @@ class OptionError(SherdError, ValueError):
     --------
     >>> from sherd.results.match_options import MatchOptions
     >>> try:
-    ...     MatchOptions(seed=-1)
+    ...     MatchOptions(scale="metric")
     ... except OptionError as error:
     ...     print(error)
-    seed is -1, but it must not be negative
+    scale is 'metric', but "same", "unknown" or a positive number is needed
     """
 
 

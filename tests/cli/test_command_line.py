@@ -165,7 +165,8 @@ def test_usage_errors(run, pair, tmp_path) -> None:
 
 def test_internal_errors_are_one_line(run, pair, tmp_path) -> None:
     (tmp_path / "sitecustomize.py").write_text(
-        "import sherd.region.locate as m\n"
+        "import importlib\n"
+        "m = importlib.import_module('sherd.locate')\n"
         "def broken(*a, **k): raise RuntimeError('boom')\n"
         "m.locate = broken\n"
     )

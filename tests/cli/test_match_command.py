@@ -18,7 +18,6 @@ from sherd.shapes.creature import creature, landmarks
 from sherd.shapes.fragment import Fragment, cut_by_ball, moved, remeshed, whole
 
 FILES = {
-    "alternatives.npz",
     "correspondence.csv", "correspondence.corr", "region.csv", "full.ply", "part.ply",
     "match.png", "report.html", "result.json",
 }  # fmt: skip

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 import trimesh
 
+from sherd.descriptors.rotation_kernel import similarity_of_two
 from sherd.descriptors.rotation_shot import (
     mirrored_spectra,
     pooled_similarity,
     rotation_spectra,
     shift_table,
-    similarity_of_two,
     weighted_spectra,
 )
 from sherd.descriptors.tangent_frames import geodesic_directions, smoothed_normals, tangent_axes

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from sherd.errors import OptionError
 from sherd.npz import arrays_npz
-from sherd.report.colors import part_layer
+from sherd.report.colors import full_layer, part_layer
 from sherd.report.exhibit import Exhibit, Layer
 from sherd.report.files import layer_values, vertex_map_text
 from sherd.report.glb import glb_scene
@@ -78,8 +78,9 @@ def _seen_on_part(exhibit: Exhibit) -> tuple[Layer, ...]:
 
 def _glb(exhibit: Exhibit) -> bytes:
     """Both shapes painted with the first layer; neutral where the part does not show it."""
-    painted = exhibit.full_layers[0] if exhibit.full_layers else None
-    carried = part_layer(exhibit, painted.name) if painted is not None else None
+    first = exhibit.full_layers[0].name if exhibit.full_layers else None
+    painted = None if first is None else full_layer(exhibit, first)
+    carried = None if first is None else part_layer(exhibit, first)
     return glb_scene(
         (exhibit.full, exhibit.full_layers, painted),
         (exhibit.part, _seen_on_part(exhibit), carried),
