@@ -12,8 +12,8 @@ import pytest
 
 from sherd.errors import OutputError
 from sherd.files.mesh_files import write_mesh
-from sherd.output import ResultFolder
 from sherd.report.stored.folder import folder_problems
+from sherd.result_folder import ResultFolder
 from sherd.shapes.creature import creature
 
 NAMES = ("a.csv", "b.ply", "report.html")

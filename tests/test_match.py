@@ -121,6 +121,58 @@ def test_unknown_scale_is_estimated(template: Template, piece: Fragment) -> None
     assert errors(small, found).mean() < GOOD
 
 
+def test_a_given_scale_and_given_units_match_as_the_enlarged_part_does(
+    template: Template, piece: Fragment, result: MatchResult
+) -> None:
+    small = scaled(piece, 0.001)
+    found = match(template, small.mesh, part_unit="m", full_unit="mm")
+    assert found.scale == 1 / 0.001
+    assert found.options.factor == found.scale
+    gap = found.positions - result.positions
+    assert np.linalg.norm(gap, axis=1).mean() / template.full.length < 0.001
+    assert found.check().passed
+    assert found.status is Status.GOOD
+
+
+def test_a_scale_beyond_the_range_is_not_called_good(template: Template, piece: Fragment) -> None:
+    """A quarter of the size; half is the least that is sought."""
+    found = match(template, scaled(piece, 0.25).mesh, scale="unknown")
+    assert found.status is Status.DOUBTFUL
+    assert found.scale == pytest.approx(2.0, rel=0.02)
+    assert "the scale stands at its bound" in found.advice
+    assert "unknown" not in found.advice  # it was asked for
+
+
+def test_units_are_proposed_for_a_part_in_meters(template: Template, piece: Fragment) -> None:
+    with pytest.raises(InfeasibleError, match='part_unit="m", full_unit="mm"'):
+        match(template, scaled(piece, 0.001).mesh)
+    with pytest.raises(InfeasibleError, match='part_unit="mm", full_unit="m"'):
+        match(template, scaled(piece, 1000).mesh)
+    with pytest.raises(InfeasibleError, match="once its lengths are multiplied by 1000"):
+        match(template, piece.mesh, scale=1000)
+
+
+def test_landmarks_that_contradict_each_other_are_named(
+    template: Template, piece: Fragment
+) -> None:
+    """Three right ones, and one whose place is at the other end of the animal."""
+    full = template.full
+    truth = piece.truth.nearest_vertices(full)
+    part = [int(piece.mesh.vertices[:, k].argmax()) for k in range(3)]
+    part.append(int(piece.mesh.vertices[:, 0].argmin()))
+    far = int(np.linalg.norm(full.vertices - full.vertices[truth[part[3]]], axis=1).argmax())
+    pairs = [(v, int(truth[v])) for v in part[:3]]
+    assert match(template, piece.mesh, landmarks=pairs).unfollowed_landmarks == ()
+    found = match(template, piece.mesh, landmarks=[*pairs, (part[3], far)])
+    assert [each.part_vertex for each in found.unfollowed_landmarks] == [part[3]]
+    (wrong,) = found.unfollowed_landmarks
+    assert wrong.full_vertex == far
+    assert set(wrong.contradicts) <= set(part[:3])
+    assert len(wrong.contradicts) >= 2
+    assert found.status is Status.DOUBTFUL
+    assert f"part vertex {part[3]} on full vertex {far}" in found.advice
+
+
 def test_a_landmark_is_obeyed_even_where_it_is_wrong(template: Template, piece: Fragment) -> None:
     """Five edges away from the truth, where no match would put it unasked."""
     full = template.full
@@ -131,6 +183,7 @@ def test_a_landmark_is_obeyed_even_where_it_is_wrong(template: Template, piece: 
     place = found.points.positions(full)[pinned]
     assert np.linalg.norm(place - full.vertices[target]) / full.length < 0.02
     assert errors(piece, found).mean() < GOOD  # its surroundings stay where they belong
+    assert found.unfollowed_landmarks == ()
 
 
 def test_ignored_vertices_are_not_matched_and_the_rest_is(

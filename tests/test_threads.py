@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
 import threading
+import time
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 
@@ -52,6 +56,56 @@ def test_errors_reach_the_caller(threads: int) -> None:
 
     with pytest.raises(ValueError, match="the last slice"):
         over_rows(kernel, 100)
+
+
+def test_threads_are_made_once(threads: int) -> None:
+    seen = set()
+
+    def kernel(rows: tuple[int, int]) -> None:
+        seen.add(threading.get_ident())
+        time.sleep(0.001)
+
+    for _ in range(30):
+        over_rows(kernel, 100)
+    assert len(seen) <= threads
+
+
+def test_callers_that_are_all_busy_do_not_wait_for_each_other() -> None:
+    """A kernel that calls again has nobody left to help it."""
+    usual = thread_count()
+    set_thread_count(2)
+
+    def inner(rows: tuple[int, int], out: np.ndarray) -> None:
+        out[rows[0] : rows[1]] += 1
+
+    def outer(rows: tuple[int, int], out: np.ndarray) -> None:
+        for row in range(*rows):
+            over_rows(inner, out.shape[1], out[row])
+
+    visited = np.zeros((20, 50), dtype=int)
+    over_rows(outer, 20, visited)
+    set_thread_count(usual)
+    assert (visited == 1).all()
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="this system cannot fork")
+def test_a_forked_child_makes_its_own_threads() -> None:
+    code = (
+        "import os, sys, numpy as np\n"
+        "from sherd.threads import over_rows, set_thread_count\n"
+        "set_thread_count(2)\n"
+        "def kernel(rows, out): out[rows[0]:rows[1]] += 1\n"
+        "def all_once():\n"
+        "    out = np.zeros(100); over_rows(kernel, 100, out); return (out == 1).all()\n"
+        "assert all_once()\n"
+        "child = os.fork()\n"
+        "if child == 0: os._exit(0 if all_once() else 1)\n"
+        "sys.exit(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], timeout=60, capture_output=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
 
 
 def test_matches_at_the_same_time_are_those_one_after_the_other() -> None:

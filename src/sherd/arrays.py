@@ -1,13 +1,16 @@
-"""Names of array types, and arrays that nobody can write to."""
+"""Names of array types, arrays that nobody can write to, and frozen objects as bytes."""
 
 from __future__ import annotations
 
-from typing import TypeVar
+from collections.abc import Mapping
+from dataclasses import fields
+from types import MappingProxyType
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Bools", "Bytes", "Floats", "Ints", "Singles", "frozen"]
+__all__ = ["Bools", "Bytes", "Floats", "FrozenState", "Ints", "Singles", "field_state", "frozen"]
 
 Floats = NDArray[np.float64]
 Singles = NDArray[np.float32]
@@ -29,3 +32,34 @@ def frozen(array: NDArray[_Kind]) -> NDArray[_Kind]:
     view = np.ascontiguousarray(array).view()
     view.flags.writeable = False
     return view
+
+
+def field_state(instance: Any) -> dict[str, Any]:
+    """The fields of a dataclass object, without what it has computed from them and kept."""
+    return {each.name: getattr(instance, each.name) for each in fields(instance)}
+
+
+class FrozenState:
+    """Base of frozen dataclasses: pickled and copied by their fields alone, read-only again after.
+
+    Values that were computed on first use stay behind. Numpy gives back arrays that can be
+    written to, and read-only mappings cannot be pickled at all.
+    """
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {name: _open(value) for name, value in field_state(self).items()}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        for name, value in state.items():
+            # a frozen dataclass sets its own fields this way
+            object.__setattr__(self, name, _closed(value))
+
+
+def _open(value: Any) -> Any:
+    return dict(value) if isinstance(value, Mapping) else value
+
+
+def _closed(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        return MappingProxyType({key: _closed(entry) for key, entry in value.items()})
+    return frozen(value) if isinstance(value, np.ndarray) else value

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from types import MappingProxyType
+from typing import Unpack
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -16,7 +17,8 @@ from sherd.output import Stages
 from sherd.region.found import Found
 from sherd.region.integral_matching import locate_by_integrals
 from sherd.region.voting import locate_by_voting
-from sherd.results.locate_options import LocateOptions
+from sherd.results.keywords import options_of
+from sherd.results.locate_options import LocateKeywords, LocateOptions
 from sherd.results.locate_result import LocateResult
 from sherd.results.placement import Placement
 from sherd.scan.either_side import SURE_BULGE, better_side
@@ -40,6 +42,7 @@ def locate(
     options: LocateOptions | None = None,
     *,
     stages: Stages | None = None,
+    **keywords: Unpack[LocateKeywords],
 ) -> LocateResult:
     """Find where on `full` the deformed, incomplete `part` belongs.
 
@@ -57,6 +60,8 @@ def locate(
         The defaults of :class:`LocateOptions` if None.
     stages
         Collects timings and shows progress; a silent one if None.
+    keywords
+        The fields of :class:`LocateOptions`, instead of `options`.
 
     Returns
     -------
@@ -65,6 +70,8 @@ def locate(
 
     Raises
     ------
+    OptionError
+        If a keyword is unknown, or both `options` and keywords are given.
     InfeasibleError
         If the part is larger than 1.3 times the full shape or a dot on it, or a shape has no
         area.
@@ -90,7 +97,8 @@ def locate(
     >>> locate(full, part).check().passed
     True
     """
-    options, stages = options or LocateOptions(), stages or Stages(visible=False)
+    options = options_of(LocateOptions, options, keywords)
+    stages = stages or Stages(visible=False)
     template = as_template(full)
     return better_side(
         scan_intake(part),

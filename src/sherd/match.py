@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from types import MappingProxyType
+from typing import Unpack
 
 import numpy as np
 
@@ -24,7 +25,8 @@ from sherd.correspondence.placements import (
     second_placement,
 )
 from sherd.correspondence.question import Question
-from sherd.correspondence.scale import LARGEST_SCALE, estimated_scale
+from sherd.correspondence.scale import LARGEST_SCALE, SAME, estimated_scale
+from sherd.correspondence.unfollowed import unfollowed_landmarks
 from sherd.correspondence.working_placement import (
     Queries,
     WorkingPlacement,
@@ -33,9 +35,12 @@ from sherd.correspondence.working_placement import (
 )
 from sherd.mesh.sides import bulge
 from sherd.mesh.sizes import check_sizes
+from sherd.mesh.units import unit_proposal
 from sherd.output import Stages
 from sherd.region.coverage import covered_region
-from sherd.results.match_options import MatchOptions
+from sherd.results.advice import Doubts
+from sherd.results.keywords import options_of
+from sherd.results.match_options import MatchKeywords, MatchOptions
 from sherd.results.match_result import MatchResult
 from sherd.results.placement import Placement
 from sherd.results.status import Status
@@ -69,6 +74,7 @@ def match(
     options: MatchOptions | None = None,
     *,
     stages: Stages | None = None,
+    **keywords: Unpack[MatchKeywords],
 ) -> MatchResult:
     """Find for every vertex of the part its point on the full shape.
 
@@ -80,9 +86,11 @@ def match(
     part
         The part: deformed, incomplete, in any position and vertex order; points will do.
     options
-        See :class:`MatchOptions`.
+        See :class:`MatchOptions`; the defaults if None.
     stages
         Collects timings and shows progress; a silent one if None.
+    keywords
+        The fields of :class:`MatchOptions`, instead of `options`.
 
     Returns
     -------
@@ -92,7 +100,8 @@ def match(
     Raises
     ------
     OptionError
-        If a landmark or ignored vertex does not exist.
+        If a landmark or ignored vertex does not exist, a keyword is unknown, or both `options` and
+        keywords are given.
     InfeasibleError
         If the part is larger than the full shape or a dot on it, or everything is ignored.
     MeshFileError, InvalidMeshError, InputError
@@ -106,7 +115,8 @@ def match(
     >>> match(full, part).check().passed
     True
     """
-    options, stages = options or MatchOptions(), stages or Stages(visible=False)
+    options = options_of(MatchOptions, options, keywords)
+    stages = stages or Stages(visible=False)
     template = as_template(full)
     return better_side(
         scan_intake(part),
@@ -123,20 +133,28 @@ def match_one_side(
     """Match a part whose faces look outward: the method; see :func:`match`."""
     unknown = options.scale == "unknown"
     check_hints(template.intake, part, options)
-    check_sizes(template.intake.mesh, part.mesh, largest_scale=LARGEST_SCALE if unknown else 1.0)
+    check_sizes(
+        template.intake.mesh,
+        part.mesh,
+        factor=options.factor,
+        largest_scale=LARGEST_SCALE if unknown else 1.0,
+        options=True,
+    )
     kept, kept_vertices = without_ignored(part, options)
     pins = pins_of(template, part, kept_vertices, options)
     rng = np.random.default_rng(options.seed)
     with stages("full shape"):
         template.prepare()
     with stages("part"):
-        surface = described_part(kept, template.length, sampled_at=pins.vertices)
+        unit = template.length / options.factor
+        surface = described_part(kept, unit, sampled_at=pins.vertices)
         comparison = UNKNOWN_SCALE if unknown else SAME_SCALE
         question = Question(template, surface, comparison, working_pins(surface, pins))
         _ = surface.sparse  # computed on first use, and this is the stage that it belongs to
     with stages("scale"):
-        scale = estimated_scale(question, rng) if unknown else 1.0
-        if scale != 1.0:
+        estimate = estimated_scale(question, rng) if unknown else SAME
+        scale = options.factor * estimate.factor
+        if estimate.factor != 1.0:
             unit = template.length / scale
             surface = described_part(kept, unit, sampled_at=pins.vertices)
             question = question.with_part(surface)
@@ -154,6 +172,13 @@ def match_one_side(
         trust = _trust(question, queries, best, other)
     with stages("region"):
         membership, mask = _region(question, best, trust.matched)
+    doubts = Doubts(
+        unlike=_fits_poorly(trust, share_laid_double(surface, best.deformation)),
+        scale_unknown=unknown,
+        scale_bound=scale if estimate.at_bound else None,
+        unfollowed=unfollowed_landmarks(question, pins, best.points),
+        units=_unit_proposal(template, part, options),
+    )
     way_back = WayBack(template.intake, part, kept_vertices)
     return MatchResult(
         full=template.full,
@@ -170,7 +195,9 @@ def match_one_side(
         scale=scale,
         second_score=other.score,
         twin_score=twin.score,
-        status=_status(trust, share_laid_double(surface, best.deformation)),
+        status=doubts.status,
+        advice=doubts.advice,
+        unfollowed_landmarks=doubts.unfollowed,
         timings=MappingProxyType(dict(stages.seconds)),
         options=options,
         working_vertices=MappingProxyType(
@@ -205,9 +232,16 @@ def _region(question: Question, best: WorkingPlacement, matched: Bools) -> tuple
     return covered_region(full, best.mask, share * float(full.vertex_areas @ best.mask))
 
 
-def _status(trust: _Trust, double: float) -> Status:
+def _fits_poorly(trust: _Trust, double: float) -> bool:
     sure = float(trust.confidence[trust.matched].mean()) if trust.matched.any() else 0.0
-    return Status.GOOD if sure > POOR and double < DOUBLE else Status.DOUBTFUL
+    return not (sure > POOR and double < DOUBLE)
+
+
+def _unit_proposal(template: Template, part: Intake, options: MatchOptions) -> str:
+    """Units that would explain the sizes, unless the user has said how they compare."""
+    if options.scale != "same" or options.part_unit is not None:
+        return ""
+    return unit_proposal(part.mesh.length / template.length)
 
 
 def _alternatives(

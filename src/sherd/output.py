@@ -7,23 +7,21 @@ a reader sees the old file or the new one and never half of either.
 from __future__ import annotations
 
 import contextlib
-import hashlib
-import json
+import errno
 import logging
 import os
 import secrets
 import sys
+import tempfile
 import time
 from collections.abc import Iterator
 from pathlib import Path
-from types import TracebackType
-from typing import Any, Self
 
 from tqdm import tqdm
 
 from sherd.errors import OutputError
 
-__all__ = ["ResultFolder", "Stages", "replacing", "write_bytes", "write_text"]
+__all__ = ["Stages", "replacing", "reported", "require_writable", "write_bytes", "write_text"]
 
 logger = logging.getLogger(__name__)
 
@@ -43,7 +41,7 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
     target = Path(path)
     temporary = target.with_name(f".{target.stem}-{secrets.token_hex(4)}.partial{target.suffix}")
     try:
-        with _reported(target):
+        with reported(target):
             target.parent.mkdir(parents=True, exist_ok=True)
             yield temporary
             with temporary.open("rb") as stream:
@@ -65,73 +63,36 @@ def write_text(path: str | os.PathLike[str], text: str) -> None:
     write_bytes(path, text.encode("utf-8"))
 
 
-class ResultFolder:
-    """Files that belong together: all are staged first, then renamed, ``result.json`` last.
-
-    ``result.json`` names every other file with its SHA-256, so a folder that holds files of two
-    runs is recognized. Use as a context manager; leaving the block without :meth:`finish` removes
-    what was staged, and the folder too if it was made here and is empty.
+def require_writable(path: str | os.PathLike[str], *, folder: bool = False) -> None:
+    """Refuse now what could not be written later; nothing is made.
 
     Parameters
     ----------
     path
-        The folder; made when missing.
+        A file that is to be written, or a folder that files are to be written into.
+    folder
+        Which of both.
 
     Raises
     ------
     OutputError
-        From any method, if the disk refuses; what stood there before is untouched unless the
-        disk fails between two renames, which the hashes reveal.
+        If something else has that name or the folder, or the nearest one that exists above it,
+        takes no files.
     """
-
-    def __init__(self, path: str | os.PathLike[str]) -> None:
-        self.path = Path(path)
-        self._made: list[Path] = []
-        self._staged: dict[str, Path] = {}
-        self._hashes: dict[str, str] = {}
-
-    def __enter__(self) -> Self:
-        with _reported(self.path):
-            missing = [p for p in (self.path, *self.path.parents) if not p.exists()]
-            self.path.mkdir(parents=True, exist_ok=True)
-            self._made = missing
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        for temporary in self._staged.values():
-            with contextlib.suppress(OSError):
-                temporary.unlink()
-        for folder in self._made:
-            with contextlib.suppress(OSError):
-                folder.rmdir()  # fails, as it should, unless empty
-
-    def add(self, name: str, content: bytes | str) -> None:
-        """Stage one file; text is written as UTF-8."""
-        data = content.encode("utf-8") if isinstance(content, str) else content
-        temporary = self.path / f".{name}-{secrets.token_hex(4)}.partial"
-        self._staged[name] = temporary
-        self._hashes[name] = hashlib.sha256(data).hexdigest()
-        with _reported(self.path / name):
-            _write_through(temporary, data)
-
-    def finish(self, result: dict[str, Any]) -> dict[str, Any]:
-        """Rename all staged files and write ``result.json``: `result` plus ``files``."""
-        document = {**result, "files": dict(sorted(self._hashes.items()))}
-        self.add("result.json", json.dumps(document, indent=2, allow_nan=False) + "\n")
-        for name, temporary in list(self._staged.items()):
-            with _reported(self.path / name):
-                temporary.replace(self.path / name)
-            del self._staged[name]
-        return document
+    target = Path(path)
+    with reported(target):
+        if not folder and target.is_dir():
+            raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
+        nearest = target if folder else target.parent
+        while not nearest.exists() and nearest != nearest.parent:
+            nearest = nearest.parent
+        with tempfile.TemporaryFile(dir=nearest):
+            pass
 
 
 @contextlib.contextmanager
-def _reported(path: Path) -> Iterator[None]:
+def reported(path: Path) -> Iterator[None]:
+    """Turn what the disk refuses into an OutputError that names `path`."""
     try:
         yield
     except OSError as error:
@@ -139,13 +100,6 @@ def _reported(path: Path) -> Iterator[None]:
         raise OutputError(
             f"{path}: cannot be written ({reason}); choose another folder or free some space"
         ) from error
-
-
-def _write_through(path: Path, data: bytes) -> None:
-    with path.open("wb") as stream:
-        stream.write(data)
-        stream.flush()
-        os.fsync(stream.fileno())  # the bytes reach the disk before the name does
 
 
 class Stages:

@@ -6,9 +6,11 @@ the process when two threads call them at once.
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from itertools import pairwise
+from threading import Lock
 from typing import Any
 
 __all__ = ["over_rows", "set_thread_count", "thread_count"]
@@ -43,14 +45,50 @@ def over_rows(kernel: Callable[..., None], count: int, *arguments: Any) -> None:
         does not depend on other rows, so that the slices do not matter.
     count
         Number of rows.
+
+    Notes
+    -----
+    The calling thread works too, and takes back what no other thread has begun: callers in several
+    threads, and a pool busy with their work, cost time but cannot wait for each other.
     """
     threads = thread_count()
-    slices = min(SLICES_PER_THREAD * threads, count)
-    if threads == 1 or slices <= 1:
+    number = min(SLICES_PER_THREAD * threads, count)
+    if threads == 1 or number <= 1:
         kernel((0, count), *arguments)
         return
-    bounds = [count * k // slices for k in range(slices + 1)]
-    with ThreadPoolExecutor(threads) as pool:
-        work = [pool.submit(kernel, rows, *arguments) for rows in pairwise(bounds)]
-    for done in work:
-        done.result()
+    slices = iter(list(pairwise(count * k // number for k in range(number + 1))))
+
+    def work() -> None:
+        for rows in slices:  # taking the next of a list is atomic
+            kernel(rows, *arguments)
+
+    others = [_pool(threads - 1).submit(work) for _ in range(min(threads, number) - 1)]
+    try:
+        work()
+    finally:
+        for other in others:
+            if not other.cancel():
+                other.result()
+
+
+# One for the life of the process: to make one takes longer than most of the work.
+_pools: dict[int, ThreadPoolExecutor] = {}
+_making = Lock()
+
+
+def _pool(threads: int) -> ThreadPoolExecutor:
+    with _making:
+        if threads not in _pools:
+            _pools[threads] = ThreadPoolExecutor(threads, thread_name_prefix="sherd")
+        return _pools[threads]
+
+
+def _forget() -> None:
+    """In a forked child the threads are gone, and the lock may have been held."""
+    global _making  # noqa: PLW0603
+    _pools.clear()
+    _making = Lock()
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_forget)

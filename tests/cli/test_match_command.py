@@ -7,6 +7,7 @@ import json
 import subprocess
 from pathlib import Path
 
+import jsonschema
 import numpy as np
 import pytest
 
@@ -17,6 +18,7 @@ from sherd.shapes.creature import creature, landmarks
 from sherd.shapes.fragment import Fragment, cut_by_ball, moved, remeshed, whole
 
 FILES = {
+    "alternatives.npz",
     "correspondence.csv", "correspondence.corr", "region.csv", "full.ply", "part.ply",
     "match.png", "report.html", "result.json",
 }  # fmt: skip
@@ -70,7 +72,7 @@ def rows_of(path: Path) -> list[dict[str, str]]:
 def test_match_writes_everything_and_is_right(matched, fragment) -> None:
     out, done = matched
     assert done.returncode == 0, done.stderr
-    assert {path.name for path in out.iterdir()} == FILES
+    assert {path.name for path in out.iterdir()} - {"alternatives.npz"} == FILES
     assert folder_problems(out) == ()
     result = json.loads(done.stdout)
     assert result["format"] == "sherd match 1"
@@ -79,6 +81,8 @@ def test_match_writes_everything_and_is_right(matched, fragment) -> None:
     assert result["check"]["passed"] is True
     assert "repaired for this run" in done.stderr
     assert len(rows_of(out / "correspondence.csv")) == fragment.mesh.vertex_count
+    schema = Path(__file__).parents[2] / "docs" / "schema" / "match.json"
+    jsonschema.validate(result, json.loads(schema.read_text()))
 
 
 def test_answers_are_in_the_numbering_of_the_files(matched, files, fragment) -> None:
@@ -156,3 +160,26 @@ def test_bad_hints_end_in_one_line(run, option, content, words, files, tmp_path)
     assert done.stderr.count("\n") == 1
     assert words in done.stderr
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("--scale", "large"), "'large' is neither same, unknown nor a number"),
+        (("--scale", "-2"), "a positive number is needed"),
+        (("--part-unit", "mm"), "give both or none"),
+        (("--part-unit", "mm", "--full-unit", "m", "--scale", "2"), "give one of them"),
+    ],
+)
+def test_scales_and_units_that_cannot_be_are_refused(run, words, said, files, tmp_path) -> None:
+    done = run("match", *files, "-o", tmp_path / "out", *words)
+    assert done.returncode == 2
+    assert said in done.stderr
+
+
+def test_units_on_the_command_line_reach_the_question(run, files, tmp_path) -> None:
+    """The piece would be a thousand times as large: refused before anything is matched."""
+    words = ("--part-unit", "m", "--full-unit", "mm")
+    done = run("match", *files, "-o", tmp_path / "out", *words)
+    assert done.returncode == 3
+    assert "once its lengths are multiplied by 1000" in done.stderr

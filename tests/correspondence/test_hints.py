@@ -32,6 +32,7 @@ def pinned_problem(planted, nodes: list[int], labels: list[int]) -> Problem:
     pins = Pins(
         question.part.sparse.vertices[nodes],
         question.full.mesh.vertices[question.full.dense.vertices[labels]],
+        np.zeros((len(nodes), 2), dtype=np.int64),
     )
     similarity = np.zeros((len(planted.labels), len(question.full.dense), 16), dtype=np.float32)
     pinned = replace(question, pins=pins)
@@ -143,7 +144,7 @@ def test_pins_name_the_same_places_in_repaired_numbering(part: Intake) -> None:
 def test_pins_on_one_working_vertex_are_one_pin(planted) -> None:
     blob = planted.question.full.mesh
     surface = DescribedSurface(WorkingSurface(blob, blob, None))
-    pins = Pins(np.array([7, 3, 7]), np.eye(3))
+    pins = Pins(np.array([7, 3, 7]), np.eye(3), np.zeros((3, 2), dtype=np.int64))
     assert working_pins(surface, pins).vertices.tolist() == [3, 7]
     np.testing.assert_array_equal(working_pins(surface, pins).positions, np.eye(3)[[1, 0]])
     coarse = working_surface(blob.with_vertices(blob.vertices * 2))

@@ -127,7 +127,8 @@ def test_a_pin_holds_one_vertex_against_all_its_neighbors(planted) -> None:
     question, positions, look = planted.question, slid(planted), look_of(planted)
     deepest = int(question.part.cut_distance.argmax())
     place = question.full.mesh.vertices[planted.kept[deepest]][None] + 0.05
-    pinned = replace(question, pins=Pins(np.array([deepest]), place))
+    pins = Pins(np.array([deepest]), place, np.zeros((1, 2), dtype=np.int64))
+    pinned = replace(question, pins=pins)
     start = Deformation(positions, fit_rotations(question.part.elastic, positions))
     found = registered_to_surface(pinned, start, look, reaches=(0.05,))
     assert np.linalg.norm(found.positions[deepest] - place) < 0.01

@@ -3,16 +3,19 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from sherd.energy.convergence import Convergence
 from sherd.errors import InvalidMeshError, OptionError
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.report.colors import (
     UNKNOWN,
     color_table,
+    full_layer,
     layer_colors,
     oklab_from_srgb,
     part_layer,
 )
-from sherd.report.exhibit import COLOR_MAPS, Exhibit, Layer, Partner
+from sherd.report.exhibit import COLOR_MAPS, Exhibit, Layer, Partner, Verdict
+from sherd.results.status import Status
 
 
 @pytest.mark.parametrize("name", COLOR_MAPS)
@@ -46,6 +49,22 @@ def test_part_shows_the_colors_of_its_partners(exhibit):
     octants = part_layer(exhibit, "octant")
     assert (octants.values[~known] == -1).all()
     assert part_layer(exhibit, "mask") is None  # not carried
+
+
+def test_carried_colors_are_gray_where_the_part_does_not_lie(exhibit):
+    shown = full_layer(exhibit, "correspondence")
+    gray = (shown.values == UNKNOWN).all(axis=1)
+    np.testing.assert_array_equal(gray, ~np.asarray(exhibit.region))
+    assert full_layer(exhibit, "membership") is exhibit.full_layers[0]
+    alone = Exhibit("t", exhibit.full, exhibit.part, exhibit.full_layers)
+    assert full_layer(alone, "correspondence") is exhibit.full_layers[1]  # no map, no partners
+
+
+@pytest.mark.parametrize("status", [*Status, *Convergence])
+def test_every_status_gives_a_verdict_of_few_words(status):
+    verdict = Verdict.from_advice(status.advice, trusted=True)
+    assert 0 < len(verdict.words.split()) <= 5
+    assert verdict.advice.endswith(".")
 
 
 def test_correspondence_colors_tell_ends_apart(exhibit):

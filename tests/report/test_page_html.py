@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 
 from sherd.mesh.triangle_mesh import TriangleMesh
-from sherd.report.exhibit import Exhibit
+from sherd.report.drawing.tradeoff import share_above
+from sherd.report.exhibit import Exhibit, Verdict
 from sherd.report.html import page, write_page
 from sherd.report.notebook import show
 from sherd.report.payload import Block, unpacked
@@ -143,6 +144,39 @@ def test_large_shapes_are_decimated_and_the_page_says_so(exhibit_of_size):
     assert thinned(exhibit).exhibit is exhibit
 
 
+def test_a_verdict_stands_above_the_headline_in_its_own_color(exhibit_of_size):
+    doubt = Verdict("Doubtful", trusted=False, advice=HOSTILE)
+    text = page(exhibit_of_size(2, verdict=doubt))
+    assert '<p id="verdict" class="doubted"><b>Doubtful</b>' in text
+    assert html.escape(HOSTILE) in text
+    assert text.index('id="verdict"') < text.index('class="lead"')
+    assert _embedded(text)[0]["verdict"]["trusted"] is False
+    calm = page(exhibit_of_size(2, verdict=Verdict("Good", trusted=True)))
+    assert 'class="trusted"' in calm
+    assert "doubted" not in re.search(r"<body>(.*?)<main>", calm, re.DOTALL).group(1)
+    assert 'id="verdict"' not in re.search(
+        r"<body>(.*?)<main>", page(exhibit_of_size(2)), re.DOTALL
+    ).group(1)
+
+
+def test_the_plot_of_confidence_names_its_axes_and_its_unit(exhibit, document):
+    plot = re.search(r'<svg class="plot".*?</svg>', document, re.DOTALL).group(0)
+    assert "share of vertices" in plot
+    assert "confidence of at least" in plot
+    shares = share_above(
+        np.asarray(exhibit.partner.confidence), exhibit.partner.known, np.array([0.0, 0.5, 1.0])
+    )
+    sure = (np.asarray(exhibit.partner.confidence) >= 0.5) & exhibit.partner.known
+    assert shares[1] == sure.mean()
+    assert shares[0] == exhibit.partner.known.mean()
+    assert f"{sure.mean():.0%} are matched" in plot
+    assert f"1 sqrt(area) of the full shape is {np.sqrt(exhibit.full.area):.4g}" in document
+    assert (
+        "tradeoff"
+        not in page(Exhibit("t", exhibit.full, exhibit.part)).split("<main>")[1].split("<script")[0]
+    )
+
+
 def test_words_and_tables_stand_in_the_page_itself(document):
     said = ["The part is half of the full shape.", "2 vertices have no partner."]
     for words in (
@@ -163,7 +197,9 @@ def test_script_is_ascii_so_that_its_hash_holds_in_any_frame(document):
 def test_notebook_frame_holds_the_whole_page(exhibit, document):
     shown = show(exhibit)
     frame = re.fullmatch(
-        r'<iframe srcdoc="(.*?)" sandbox="allow-scripts" .*', shown._repr_html_(), re.DOTALL
+        r'<iframe srcdoc="(.*?)" sandbox="allow-scripts allow-downloads" .*',
+        shown._repr_html_(),
+        re.DOTALL,
     )
     assert html.unescape(frame.group(1)) == document
     assert len(repr(shown)) < 100

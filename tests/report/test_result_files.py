@@ -12,10 +12,9 @@ import trimesh
 
 from sherd.errors import OptionError
 from sherd.mesh.surface_points import SurfacePoints
-from sherd.output import ResultFolder
+from sherd.npz import arrays_npz
 from sherd.report.exhibit import Layer, Partner
 from sherd.report.files import (
-    arrays_npz,
     corr_text,
     painted_ply,
     table_csv,
@@ -23,6 +22,7 @@ from sherd.report.files import (
 )
 from sherd.report.stored.folder import folder_problems
 from sherd.report.vtp import vtp_text
+from sherd.result_folder import ResultFolder
 
 
 def test_trimesh_reads_colors_and_properties_of_the_ply(exhibit):

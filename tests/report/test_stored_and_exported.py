@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import csv
 import io
 import json
 import xml.etree.ElementTree as ET
@@ -11,14 +12,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import scipy.io
+from click.testing import CliRunner
 from PIL import Image
 
 import sherd
+from sherd.cli.main import main
 from sherd.errors import InputError, OptionError
 from sherd.report.exports import exported
 from sherd.report.notebook import exhibit_of, plot, show
 from sherd.report.stored.stored_exhibit import read_exhibit
+from sherd.report.stored.stored_match import read_match
 from sherd.report.write import report_of, write_report
+from sherd.results.advice import Doubts, UnfollowedLandmark
 from sherd.results.match_result import MatchResult
 
 
@@ -43,6 +48,7 @@ def test_a_folder_shows_again_what_the_report_showed(result, folder) -> None:
     errors = np.linspace(0, 0.1, result.part.vertex_count)
     before = report_of(result, errors=errors).exhibit
     again = read_exhibit(folder)
+    assert again.verdict == before.verdict
     assert again.title == before.title
     for side in ("full_layers", "part_layers"):
         assert [layer.name for layer in getattr(again, side)] == [
@@ -79,6 +85,27 @@ def test_orientation_finds_exactly_the_faces_that_are_turned_over(result, exhibi
     assert share[[a, b]].max() < 1
     untouched = np.setdiff1d(np.arange(result.part.vertex_count), touched)
     assert (share[untouched] == 1).all()
+
+
+def test_landmarks_that_were_not_followed_are_written_and_read_back(result, tmp_path) -> None:
+    wrong = (UnfollowedLandmark(3, 5, 0.25, (7,)), UnfollowedLandmark(7, 9, 0.125))
+    doubts = Doubts(unfollowed=wrong)
+    options = sherd.MatchOptions(landmarks=((3, 5), (7, 9)), part_unit="mm", full_unit="cm")
+    asked = replace(
+        result,
+        status=doubts.status,
+        advice=doubts.advice,
+        unfollowed_landmarks=doubts.unfollowed,
+        options=options,
+    )
+    document = write_report(asked, tmp_path / "out")
+    assert document["advice"] == doubts.advice
+    assert document["unfollowed_landmarks"][0]["distance"] == 0.25
+    again = sherd.read_match(tmp_path / "out")
+    assert again.unfollowed_landmarks == wrong
+    assert (again.status, again.advice) == (doubts.status, doubts.advice)
+    assert again.options == options
+    assert "part vertex 3 on full vertex 5" in (tmp_path / "out" / "report.html").read_text("utf-8")
 
 
 def test_scipy_reads_the_mat_file_counted_from_one(result, folder) -> None:
@@ -119,7 +146,7 @@ def test_paraview_files_hold_what_the_map_carries(result, folder) -> None:
 
 
 def test_same_result_same_exported_bytes(exhibit) -> None:
-    kinds = ("vtp", "npz", "mat", "map", "vts")
+    kinds = ("vtp", "glb", "npz", "mat", "map", "vts")
     assert exported(exhibit, kinds) == exported(exhibit, kinds)
     assert scipy.io.loadmat(io.BytesIO(exported(exhibit, ["mat"])["result.mat"]))
 
@@ -159,3 +186,59 @@ def test_folders_that_hold_no_result_are_refused(change, folder, tmp_path) -> No
     words = {"no file": "nothing was finished", "other format": "soup 7", "another run": "full.ply"}
     with pytest.raises(InputError, match=words[change]):
         read_exhibit(tmp_path)
+
+
+def test_unsure_vertices_become_unmatched_and_the_folder_remembers(result, tmp_path) -> None:
+    sure = result.with_min_confidence(0.6)
+    np.testing.assert_array_equal(sure.matched, result.matched & (result.confidence >= 0.6))
+    np.testing.assert_array_equal(sure.points.faces, result.points.faces)
+    assert sure.with_min_confidence(0.1).min_confidence == 0.6
+    assert result.min_confidence == 0
+    document = write_report(sure, tmp_path)
+    assert document["min_confidence"] == 0.6
+    assert document["unmatched"] == (~sure.matched).sum() > (~result.matched).sum()
+    stored = read_match(tmp_path)
+    assert stored.min_confidence == 0.6
+    np.testing.assert_array_equal(stored.matched, sure.matched)
+    with pytest.raises(OptionError, match=r"min_confidence is 1\.5"):
+        result.with_min_confidence(1.5)
+
+
+def test_text_labels_and_gaps_are_carried(result, tmp_path) -> None:
+    write_report(result, tmp_path / "out")
+    full, part = result.full, result.part
+    nearest, matched = result.nearest_vertices, result.matched
+    bones = np.where(full.vertices[:, 1] > 0, "femur, left", "tibia")
+    named = np.arange(full.vertex_count)[5:]  # the first five are not in the table
+
+    def carried(rows, *options: str) -> tuple[int, str, list[dict[str, str]]]:
+        (tmp_path / "in.csv").write_text("\n".join(["vertex,bone,height", *rows]) + "\n")
+        words = ["transfer", tmp_path / "out", tmp_path / "in.csv", "-o", tmp_path / "to.csv"]
+        done = CliRunner().invoke(main, [*map(str, words), *options])
+        if done.exit_code:
+            return done.exit_code, done.output, []
+        with (tmp_path / "to.csv").open(newline="") as stream:
+            return 0, done.output, list(csv.DictReader(stream))
+
+    rows = [f'{v},"{bones[v]}",' for v in named]
+    code, output, table = carried(rows, "--labels")
+    assert code == 0, output
+    found = np.array([row["bone"] for row in table])
+    known = matched & (nearest >= 5)
+    assert (found[known] == bones[nearest[known]]).all()
+    assert (found[~known] == "").all()
+    assert {row["height"] for row in table} == {"-1"}
+    code, output, _ = carried(rows)
+    assert code == 3
+    assert "row 2 of column bone is 'femur, left', not a number" in output or "tibia" in output
+
+    numbers = [f"{v},1,{full.vertices[v, 2]}" for v in named]
+    _, _, table = carried(numbers)
+    height = np.array([float(row["height"]) for row in table])
+    np.testing.assert_allclose(height[known], full.vertices[nearest[known], 2], atol=1e-6)
+    assert np.isnan(height[~known]).all()
+    assert len(table) == part.vertex_count
+    _, _, table = carried(numbers, "--labels", "--min-confidence", "1")
+    assert carried(["7,a,1", "9,b,2", "7,c,3"], "--labels")[1].count("vertex 7 is there twice")
+    assert "names vertex 99999" in carried(["99999,1,1"])[1]
+    assert "no whole number" in carried(["1,2,0.5"], "--labels")[1]

@@ -31,6 +31,13 @@ export function carriedLayer(layer, full, partner) {
   return { ...layer, values };
 }
 
+// What the full shape shows for a carried layer of colors: nothing where the part does not lie.
+export function placedLayer(layer, region) {
+  const values = Float32Array.from(layer.values);
+  for (let i = 0; i < region.length; i++) if (!region[i]) values.fill(NaN, 3 * i, 3 * i + 3);
+  return { ...layer, values };
+}
+
 // Fills RGBA bytes (alpha 0 is unknown) and, for scalars, places between the limits (0 to 1).
 export function paint(colors, values, layer, palette) {
   const scalar = layer?.kind === "scalar";

@@ -1,11 +1,13 @@
 // The page: reads its data, shows it, and listens.
 import { readPayload } from "./decode.js";
-import { carriedLayer, coverage, readLayer } from "./layers.js";
+import { Hints } from "./hints.js";
+import { copyOnClick, HintsPanel, MODES } from "./hints_panel.js";
+import { carriedLayer, coverage, placedLayer, readLayer } from "./layers.js";
 import { listen, Orbit } from "./orbit.js";
 import { Overlay } from "./overlay.js";
 import { coordinates, coverageWords, integer, number, Panel } from "./panel.js";
 import { readPartner, toFull, toPart } from "./partner.js";
-import { coordinatesOf, numberOf, readShape, vertexPoint } from "./shape.js";
+import { coordinatesOf, fileCount, numberOf, readShape, shownVertex, vertexPoint } from "./shape.js";
 import { Stage } from "./stage.js";
 import { theme } from "./theme.js";
 
@@ -26,7 +28,8 @@ class Page {
     };
     this.layerNames = [...new Set([...this.own.full, ...this.own.part].map((layer) => layer.name))];
     this.placements = meta.placements.map(() => null);
-    this.state = { layer: this.layerNames[0] ?? null, placement: 0, thresholds: {}, linked: true, anchors: false, pinned: null, hover: null };
+    this.state = { layer: this.layerNames[0] ?? null, placement: 0, thresholds: {}, linked: true, anchors: false, pinned: null, hover: null, mode: "look", brush: { percent: 5, erase: false } };
+    this.hints = new Hints(this.shapes, meta);
     this.anchors = meta.anchors.filter((_, i) => i % Math.ceil(meta.anchors.length / MOST_ANCHORS || 1) === 0);
     this.timings = {};
     this.shown = {};
@@ -41,11 +44,14 @@ class Page {
       layerNames: this.layerNames, placements: this.meta.placements, scoreName: this.meta.scoreName,
       hasPartner: this.meta.placements.some((place) => place.partner), anchorCount: this.meta.anchors.length,
     });
+    this.hintsPanel = this.placements.length && this.meta.placements[0].partner ? new HintsPanel(this) : null;
+    this.hintsPanel?.fill();
     this.stage = new Stage(elements.canvas, this.shapes, elements, {
       orbits: this.orbits, palette: this.palette, drawn: () => this.redrawOverlay(),
     });
     for (const side of SIDES) this.listen(side, elements[side]);
     this.refresh();
+    this.changeHints(() => {});
     this.stage.draw();
     // hits need search trees; they are built when the first picture stands
     setTimeout(() => SIDES.forEach((side) => this.stage.views[side].makeTree()), 30);
@@ -75,8 +81,17 @@ class Page {
       click: (event) => {
         const vertex = view.pick(...at(event));
         if (vertex === null) this.clear();
+        else if (this.state.mode === "landmarks") this.pickLandmark(side, vertex);
         else this.select(side, vertex);
       },
+      grab: (event) => {
+        if (side !== "part" || this.state.mode !== "ignore") return false;
+        const vertex = view.pick(...at(event));
+        this.painted = vertex === null ? null : at(event);
+        if (vertex !== null) this.brush(vertex);
+        return vertex !== null;
+      },
+      paint: (event) => this.paint(...at(event)),
       hover: (event) => {
         if (!waiting) requestAnimationFrame(() => {
           const vertex = waiting && view.pick(...at(waiting));
@@ -100,8 +115,9 @@ class Page {
       const changed = meta.layers.map((layer) => readLayer(layer, this.read));
       const layers = this.own.full.map((layer) => changed.find((other) => other.name === layer.name) ?? layer);
       const partner = readPartner(meta.partner, this.read, this.shapes.full);
+      const region = meta.region && this.read(meta.region);
       const partLayers = meta.partLayers.map((layer) => readLayer(layer, this.read));
-      this.placements[index] = { layers, partLayers, partner, carried: {} };
+      this.placements[index] = { layers, partLayers, partner, region, carried: {}, placed: {} };
     }
     return this.placements[index];
   }
@@ -109,7 +125,11 @@ class Page {
   layerOn(side, name = this.state.layer) {
     const place = this.placement();
     const full = place.layers.find((layer) => layer.name === name) ?? null;
-    if (side === "full") return full;
+    if (side === "full") {
+      if (full?.kind !== "color" || !full.carried || !place.partner || !place.region) return full;
+      place.placed[name] ??= placedLayer(full, place.region);
+      return place.placed[name];
+    }
     const named = (layer) => layer.name === name;
     const own = place.partLayers.find(named) ?? this.own.part.find(named);
     if (own) return own;
@@ -229,8 +249,14 @@ class Page {
       const pair = this.resolve(this.state[kind]);
       if (pair) pairs.push(ends(kind, pair));
     }
-    this.overlay.draw(pairs, { showLines: this.state.anchors });
-    this.panel.magnification(this.stage.magnification);
+    const spot = (side, number) => number === null ? null
+      : place(side, vertexPoint(this.shapes[side], shownVertex(this.shapes[side], number)));
+    const { pending } = this.hints;
+    const landmarks = [...this.hints.landmarks, ...(pending.part === null && pending.full === null ? [] : [pending])]
+      .map(({ part, full }, index) => ({ label: String(index + 1), part: spot("part", part), full: spot("full", full) }));
+    const under = this.state.mode === "ignore" && this.state.hover?.side === "part" ? this.state.hover : null;
+    const brush = under && { ...place("part", vertexPoint(this.shapes.part, under.vertex)), radius: this.stage.views.part.pixels(this.brushRadius) };
+    this.overlay.draw(pairs, { showLines: this.state.anchors, landmarks, brush });
   }
 
   // ---- what can be done; tests and the console use the same functions
@@ -247,13 +273,88 @@ class Page {
     return this.resolve(this.state.pinned);
   }
 
+  // The vertex with this number in the file; what is to be said about it, or nothing.
   selectNumber(side, wanted) {
-    const { numbers, count } = this.shapes[side];
-    const vertex = numbers ? numbers.indexOf(wanted) : wanted;
-    if (Number.isInteger(vertex) && vertex >= 0 && vertex < count) this.select(side, vertex);
+    let number;
+    try {
+      number = this.hints.vertex(side, String(wanted));
+    } catch (error) {
+      return `${error.message}.`;
+    }
+    const shape = this.shapes[side];
+    // in a decimated view a vertex may have the number of another one of the file
+    const exact = shape.numbers ? shape.numbers.indexOf(number) : number;
+    const vertex = exact < 0 ? shownVertex(shape, number) : exact;
+    this.select(side, vertex);
+    return exact < 0 ? `The decimated view does not show ${integer(number)}; ${integer(numberOf(shape, vertex))} is near it.` : "";
+  }
+
+  // ---- landmarks and regions to ignore
+
+  setMode(mode) {
+    if (!this.hintsPanel || !MODES.includes(mode)) return;
+    this.state.mode = mode;
+    this.hints.pending = { part: null, full: null };
+    this.stage.views.part.element.classList.toggle("painting", mode === "ignore");
+    this.changeHints(() => {});
+  }
+
+  setBrush(change) {
+    Object.assign(this.state.brush, change);
+    this.changeHints(() => {});
+  }
+
+  fileCount(side) {
+    return fileCount(this.shapes[side]);
+  }
+
+  get brushRadius() {
+    return (this.state.brush.percent / 100) * this.shapes.part.extent;
+  }
+
+  hintsCommand() {
+    return this.hints.command(this.meta.command, { full: this.shapes.full.name, part: this.shapes.part.name });
+  }
+
+  changeHints(change) {
+    change();
+    this.stage.views.part.mark(this.hints.ignored);
+    this.hintsPanel?.refresh();
+    this.stage.request();
+  }
+
+  pickLandmark(side, vertex) {
+    this.state.pinned = null;
+    this.changeHints(() => this.hints.pick(side, vertex));
+  }
+
+  brush(vertex) {
+    this.changeHints(() => this.hints.brush(vertex, this.brushRadius, this.state.brush.erase));
+  }
+
+  brushNumber(number) {
+    this.brush(shownVertex(this.shapes.part, number));
+  }
+
+  // Brushes along the way from the last pixel to this one.
+  paint(x, y) {
+    const [fromX, fromY] = this.painted ?? [x, y];
+    const view = this.stage.views.part;
+    const steps = Math.max(1, Math.ceil(Math.hypot(x - fromX, y - fromY) / Math.max(4, view.pixels(this.brushRadius) / 2)));
+    let vertex = null;
+    for (let k = 1; k <= steps; k++) {
+      vertex = view.pick(fromX + ((x - fromX) * k) / steps, fromY + ((y - fromY) * k) / steps);
+      if (vertex !== null) this.hints.brush(vertex, this.brushRadius, this.state.brush.erase);
+    }
+    this.painted = [x, y];
+    this.setHover(vertex === null ? null : { side: "part", vertex });
+    this.changeHints(() => {});
   }
 
   clear() {
+    if (this.hints.pending.part !== null || this.hints.pending.full !== null) {
+      this.changeHints(() => (this.hints.pending = { part: null, full: null }));
+    }
     this.state.pinned = null;
     this.state.hover = null;
     this.refreshPoint();
@@ -322,6 +423,8 @@ class Page {
     else if (event.key === "m") this.setAnchors(!this.state.anchors && this.anchors.length > 0);
     else if (event.key === "r") this.reset();
     else if (event.key === "t") theme.toggle();
+    else if (event.key === "p") this.setMode(this.state.mode === "landmarks" ? "look" : "landmarks");
+    else if (event.key === "i") this.setMode(this.state.mode === "ignore" ? "look" : "ignore");
     else if (event.key === "Escape") this.clear();
   }
 }
@@ -336,17 +439,7 @@ function valueWords(layer, vertex) {
 async function main() {
   const begin = performance.now();
   theme.start();
-  const copy = document.getElementById("copy");
-  copy?.addEventListener("click", async () => {
-    try {
-      await navigator.clipboard.writeText(document.getElementById("command").textContent);
-      copy.textContent = "Copied";
-    } catch {
-      getSelection().selectAllChildren(document.getElementById("command"));
-      copy.textContent = "Press Ctrl+C";
-    }
-    setTimeout(() => (copy.textContent = "Copy"), 1500);
-  });
+  copyOnClick(document.getElementById("copy"), document.getElementById("command"));
   try {
     const { meta, read } = await readPayload();
     const page = new Page(meta, read);

@@ -46,16 +46,19 @@ export class Orbit {
   }
 }
 
+// grab(event) says whether a drag that begins there paints instead of turning; then paint(event) follows.
 // Calls back: turn(dx, dy) in radians, pan(dx, dy) in pixels, scale(factor), hover(event), click(event), leave().
 export function listen(element, act) {
   const pointers = new Map();
   let moved = 0;
+  let painting = false;
   let spread = 0;
   element.addEventListener("pointerdown", (event) => {
     element.setPointerCapture(event.pointerId);
     pointers.set(event.pointerId, [event.clientX, event.clientY]);
     moved = pointers.size > 1 ? 99 : 0;
     spread = 0;
+    painting = pointers.size === 1 && event.button === 0 && !event.shiftKey && act.grab(event);
   });
   element.addEventListener("pointermove", (event) => {
     const last = pointers.get(event.pointerId);
@@ -65,6 +68,10 @@ export function listen(element, act) {
     }
     const dx = event.clientX - last[0], dy = event.clientY - last[1];
     pointers.set(event.pointerId, [event.clientX, event.clientY]);
+    if (painting) {
+      act.paint(event);
+      return;
+    }
     moved += Math.abs(dx) + Math.abs(dy);
     if (pointers.size === 2) {
       const [a, b] = [...pointers.values()];
@@ -78,7 +85,9 @@ export function listen(element, act) {
   });
   const lift = (event) => {
     const held = pointers.delete(event.pointerId);
-    if (held && event.type === "pointerup" && moved <= 3 && event.button === 0) act.click(event);
+    const painted = painting;
+    painting = false;
+    if (held && !painted && event.type === "pointerup" && moved <= 3 && event.button === 0) act.click(event);
   };
   element.addEventListener("pointerup", lift);
   element.addEventListener("pointercancel", lift);

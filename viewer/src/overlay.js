@@ -14,9 +14,11 @@ export class Overlay {
     this.svg = svg;
   }
 
+  // landmarks: [{ label, full: {x, y, hidden} | null, part: ... }]; brush: { x, y, radius } | null.
   // pairs: [{ kind: "anchor" | "hover" | "pinned", full: {x, y, hidden} | null, part: ... }] in stage pixels.
-  draw(pairs, { showLines }) {
+  draw(pairs, { showLines, landmarks, brush }) {
     this.svg.replaceChildren();
+    if (brush) element("circle", { cx: brush.x, cy: brush.y, r: brush.radius, class: "brush" }, this.svg);
     for (const pair of pairs) {
       const { full, part, kind } = pair;
       if (full && part && (kind !== "anchor" || showLines)) {
@@ -35,6 +37,13 @@ export class Overlay {
         if (kind !== "anchor") element("circle", { cx: place.x, cy: place.y, r: radius, class: "halo" }, this.svg);
         element("circle", { cx: place.x, cy: place.y, r: radius, class: `ring ${kind}${faint}` }, this.svg);
         if (kind !== "anchor") element("circle", { cx: place.x, cy: place.y, r: 2.4, class: "dot" }, this.svg);
+      }
+    }
+    for (const { label, full, part } of landmarks) {
+      for (const place of [full, part]) {
+        if (!place) continue;
+        element("circle", { cx: place.x, cy: place.y, r: 9, class: `landmark${place.hidden ? " faint" : ""}` }, this.svg);
+        element("text", { x: place.x, y: place.y + 4, class: "landmark-number" }, this.svg).textContent = label;
       }
     }
   }

@@ -3,7 +3,7 @@ import { coordinates, integer, number, percent, ticks } from "./words.js";
 
 const $ = (id) => document.getElementById(id);
 
-function make(tag, { text, ...attributes }, parent) {
+export function make(tag, { text, ...attributes }, parent) {
   const node = document.createElement(tag);
   for (const [key, value] of Object.entries(attributes)) node.setAttribute(key, value);
   if (text !== undefined) node.textContent = text;
@@ -11,7 +11,7 @@ function make(tag, { text, ...attributes }, parent) {
   return node;
 }
 
-function choices(holder, group, entries, chosen) {
+export function choices(holder, group, entries, chosen) {
   entries.forEach(({ title, note, tail }, index) => {
     const label = make("label", { class: "choice" }, holder);
     const input = make("input", { type: "radio", name: group, value: index }, label);
@@ -40,14 +40,22 @@ export class Panel {
     $("threshold").addEventListener("input", (event) => this.act.setThreshold(Number(event.target.value)));
     $("vertex-form").addEventListener("submit", (event) => {
       event.preventDefault();
-      this.act.selectNumber($("vertex-side").value, Number($("vertex-number").value));
+      const said = this.act.selectNumber($("vertex-side").value, $("vertex-number").value);
+      $("vertex-message").textContent = said;
+      $("vertex-number").setAttribute("aria-invalid", String(said !== ""));
     });
+    $("vertex-form").noValidate = true; // the message stands beside the field
+    $("vertex-number").setAttribute("aria-describedby", "vertex-message");
     $("anchors-row").hidden = anchorCount === 0;
     $("anchors-count").textContent = integer(anchorCount);
     $("show-anchors").addEventListener("change", (event) => this.act.setAnchors(event.target.checked));
     $("linked").addEventListener("change", (event) => this.act.setLinked(event.target.checked));
     $("reset").addEventListener("click", () => this.act.reset());
-    $("hint-partner").textContent = hasPartner ? "Click a point to see its partner." : "Click a point to read its values.";
+    this.hint(hasPartner ? "Click a point to see its partner." : "Click a point to read its values.");
+  }
+
+  hint(words) {
+    $("hint-partner").textContent = words;
   }
 
   check(group, index) {
@@ -115,10 +123,6 @@ export class Panel {
       make("dt", { text: term }, list);
       make("dd", id ? { text: value, id } : { text: value }, list);
     }
-  }
-
-  magnification(factor) {
-    $("magnified").textContent = factor > 1.05 || factor < 1 / 1.05 ? `, enlarged ${factor.toFixed(1)} times` : "";
   }
 }
 

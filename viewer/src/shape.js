@@ -14,12 +14,17 @@ export function readShape(meta, read) {
   const faces = read(meta.faces);
   const shape = { ...meta, count, center, positions, faces };
   shape.numbers = meta.numbers ? read(meta.numbers) : null;
+  shape.owners = meta.owners ? read(meta.owners) : null;
   Object.assign(shape, normalsAndAreas(positions, faces));
   return shape;
 }
 
 // The user's number of a vertex that is shown.
 export const numberOf = (shape, vertex) => (shape.numbers ? shape.numbers[vertex] : vertex);
+
+// How many vertices the user's file has, and the shown one that stands for one of them.
+export const fileCount = (shape) => shape.owners?.length ?? shape.count;
+export const shownVertex = (shape, number) => (shape.owners ? shape.owners[number] : number);
 
 // Coordinates as in the user's file.
 export function coordinatesOf(shape, point) {

@@ -8,19 +8,25 @@ import { paint } from "./layers.js";
 import { vertexPoint } from "./shape.js";
 
 const FIELD_OF_VIEW = 22;
-// A part smaller than this share of the full shape is enlarged, as in the printed picture.
+// A part smaller than this share of the full shape is drawn larger, as in the printed picture.
 const LEAST_EXTENT_SHARE = 0.55;
+
+// No color map holds this one.
+const IGNORED = [226, 38, 146];
 
 // The same light as in raster.py, number for number.
 const vertexShader = `
   attribute vec4 color;
   attribute float value;
+  attribute float marked;
   varying vec4 tint;
   varying float share;
+  varying float mark;
   varying vec3 bend;
   void main() {
     tint = color;
     share = value;
+    mark = marked;
     bend = normalMatrix * normal;
     gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
   }`;
@@ -31,8 +37,10 @@ const fragmentShader = `
   uniform sampler2D table;
   uniform vec3 neutral;
   uniform vec3 unknown;
+  uniform vec3 ignored;
   varying vec4 tint;
   varying float share;
+  varying float mark;
   varying vec3 bend;
   // Scalars are looked up here and not at the vertices, so that a threshold cuts a clean line.
   vec3 paint() {
@@ -52,7 +60,7 @@ const fragmentShader = `
     float key = max(0.0, 0.5 + 0.5 * dot(vec3(-0.42, 0.62, 0.66), n));
     float shade = (0.48 + 0.60 * key * key) * (0.82 + 0.18 * n.z);
     float gloss = 0.063 * pow(max(0.0, dot(vec3(-0.23, 0.34, 0.91), n)), 24.0);
-    vec3 base = paint();
+    vec3 base = mark > 0.5 ? ignored : paint();
     if (inside) {
       base = 0.35 * base + 0.4 * dot(base, vec3(0.3, 0.6, 0.1));
       gloss = 0.0;
@@ -84,11 +92,13 @@ class View {
     this.geometry.setAttribute("color", new BufferAttribute(this.colors, 4, true));
     this.values = new Float32Array(shape.count);
     this.geometry.setAttribute("value", new BufferAttribute(this.values, 1));
+    this.geometry.setAttribute("marked", new BufferAttribute(new Float32Array(shape.count), 1));
     this.geometry.setIndex(new BufferAttribute(shape.faces.slice(), 1)); // the search tree reorders it
     const tone = (rgb) => new Vector3(...rgb).divideScalar(255);
     this.uniforms = {
       orientation: { value: shape.orientation }, scalar: { value: false }, threshold: { value: -1 },
       table: { value: null }, neutral: { value: tone(palette.neutral) }, unknown: { value: tone(palette.unknown) },
+      ignored: { value: tone(IGNORED) },
     };
     this.tables = Object.fromEntries(Object.entries(palette.tables).map(([name, rgb]) => [name, texture(rgb)]));
     const material = new ShaderMaterial({ vertexShader, fragmentShader, side: DoubleSide, uniforms: this.uniforms });
@@ -113,6 +123,18 @@ class View {
     paint(this.colors, this.values, layer, palette);
     this.geometry.attributes.color.needsUpdate = true;
     this.geometry.attributes.value.needsUpdate = true;
+  }
+
+  // Vertices that are drawn in a color of their own whatever the layer, (n,) of 0 or 1.
+  mark(marked) {
+    this.geometry.attributes.marked.array.set(marked);
+    this.geometry.attributes.marked.needsUpdate = true;
+  }
+
+  // So many pixels does a length have in the middle of the shape.
+  pixels(length) {
+    const away = this.distance / this.orbit.zoom;
+    return (length * this.size().height) / (2 * away * Math.tan((FIELD_OF_VIEW * Math.PI) / 360));
   }
 
   cut(layer, threshold) {
@@ -233,7 +255,6 @@ export class Stage {
     const wanted = Math.max(1, (LEAST_EXTENT_SHARE * full.extent) / part.extent);
     const common = full.distance / wanted;
     part.distance = Math.max(part.distance, common);
-    this.magnification = full.distance / part.distance;
     this.draw();
   }
 

@@ -15,6 +15,7 @@ from sherd.benchmark.datasets.shrec16 import shrec16_pairs
 from sherd.benchmark.metrics import region_overlap
 from sherd.benchmark.row_file import stored_rows, write_rows
 from sherd.benchmark.runner import measured_rows
+from sherd.limits import require_whole
 from sherd.locate import locate
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.results.locate_options import LocateOptions
@@ -56,6 +57,8 @@ def region_benchmark(
     the same version and options already measured.
     """
     options = options or LocateOptions()
+    if limit is not None:
+        require_whole("limit", limit, 1, 10**6, "no data set has more pairs")
     pairs = shrec16_pairs(directory, kind=kind, remeshed=remeshed)[:limit]
     question = {
         "version": __version__,

@@ -25,6 +25,7 @@ from sherd._version import __version__
 from sherd.benchmark.row_file import stored_rows, write_rows
 from sherd.errors import SherdError
 from sherd.files.mesh_files import read_mesh
+from sherd.limits import require_finite
 from sherd.output import write_text
 from sherd.report.stored.folder import folder_problems
 
@@ -133,9 +134,12 @@ def robustness(
 
     Raises
     ------
+    OptionError
+        If the limit is not within a hundredth of a second and a day.
     OutputError
         If the table cannot be written.
     """
+    require_finite("seconds", seconds, 0.01, 86_400, "a run that takes longer than a day hangs")
     jobs = {"check": check_command} if commands is None else dict(commands)
     settings = {"sherd": __version__, "seconds": seconds}
     known = _stored(output / "robustness.json", settings)

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from functools import partial
 from multiprocessing import get_context
 from typing import Protocol, TypeVar
 
-from sherd.errors import OptionError
+from sherd.limits import require_whole
 from sherd.output import Stages
 from sherd.threads import set_thread_count
 
@@ -55,10 +56,10 @@ def measured_rows(
     Raises
     ------
     OptionError
-        If `jobs` is below 1.
+        If `jobs` is below 1, or far above the number of cores.
     """
-    if jobs < 1:
-        raise OptionError(f"jobs is {jobs}, but at least 1 process is needed")
+    reason = "each process takes some 500 MB, and more of them than cores gain nothing"
+    require_whole("jobs", jobs, 1, max(16, os.cpu_count() or 1), reason)
     rows = dict(known)
     waiting = [question for question in questions if question.name not in rows]
     stages = Stages(len(waiting))

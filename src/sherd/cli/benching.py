@@ -15,6 +15,7 @@ from sherd.benchmark.size import SIZES, size_benchmark, size_table
 from sherd.cli.bench_match import faust_command, shrec16_command, smal_command
 from sherd.cli.exits import INTERNAL
 from sherd.files.mesh_files import write_mesh
+from sherd.limits import require_whole
 from sherd.output import Stages
 from sherd.results.locate_options import METHODS, LocateOptions, Method
 from sherd.shapes.creature import creature
@@ -95,6 +96,8 @@ def size_command(*, largest: int, output: Path) -> int:
 
     Writes size.json and size.png.
     """
+    reason = "larger shapes were never measured"
+    require_whole("largest", largest, SIZES[0], SIZES[-1], reason)
     sizes = [size for size in SIZES if size <= largest]
     rows = size_benchmark(output, sizes=sizes)
     click.echo(f"{size_table(rows)}\nOpen {output / 'size.png'} to see it.")

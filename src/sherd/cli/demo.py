@@ -8,10 +8,13 @@ import click
 import numpy as np
 
 from sherd.benchmark.metrics import region_overlap
+from sherd.cli.inputs import check_outputs, show_notices
 from sherd.cli.matching import match_and_write, match_summary
+from sherd.cli.options import overwrite_option, quiet_option
 from sherd.files.mesh_files import write_mesh
 from sherd.match import STAGES
 from sherd.output import Stages
+from sherd.report.stored.folder import MATCH_FORMAT
 from sherd.results.match_options import MatchOptions
 from sherd.scan.intake import scan_intake
 from sherd.shapes.creature import creature, landmarks
@@ -28,8 +31,9 @@ VERTEX_COUNT = 10_000
 @click.option(
     "-o", "--output", type=click.Path(path_type=Path), default=Path("sherd-demo"), show_default=True
 )
-@click.option("-q", "--quiet", is_flag=True, help="Print errors only.")
-def demo_command(output: Path, *, quiet: bool) -> int:
+@overwrite_option
+@quiet_option()
+def demo_command(output: Path, *, overwrite: bool, quiet: bool) -> int:
     """Match a piece of a generated animal with the whole; needs no files.
 
     The animal walks, its front half is cut off, meshed anew, turned at random and sought on the
@@ -39,16 +43,19 @@ def demo_command(output: Path, *, quiet: bool) -> int:
     Example:
       sherd demo -o demo/ && sherd view demo/
     """  # noqa: D301
+    full, part = output / "creature.ply", output / "fragment.ply"
+    own = (full.name, part.name)  # an interrupted demo may have left them
+    check_outputs(output, MATCH_FORMAT, full, part, overwrite=overwrite, own=own)
     stages = Stages(len(STAGES) + 2, visible=False if quiet else None)
     with stages("generated shapes"):
         fragment = demo_fragment()
-        full, part = output / "creature.ply", output / "fragment.ply"
         write_mesh(fragment.full, full)
         write_mesh(fragment.mesh, part)
     result, document = match_and_write(
         Template(full), scan_intake(part), output, options=MatchOptions(), stages=stages
     )
     stages.close()
+    show_notices(result, quiet=quiet)
     if quiet:
         return 0
     click.echo(match_summary(result, document, output))

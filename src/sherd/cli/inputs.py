@@ -1,31 +1,101 @@
-"""What commands have in common: the template file, notices, the command line."""
+"""What commands have in common: kinds of values, the template file, notices, the command line."""
 
 from __future__ import annotations
 
 import shlex
 import sys
+from collections.abc import Iterable
 from pathlib import Path
+from typing import Any
 
 import click
+from click.shell_completion import CompletionItem
 
+from sherd.errors import OutputError
+from sherd.output import require_writable
+from sherd.result_folder import NAMES, ResultKind, replaceable_files
 from sherd.results.locate_result import LocateResult
+from sherd.results.match_options import SCALES
 from sherd.results.match_result import MatchResult
 from sherd.scan.intake import mesh_intake
 from sherd.surface.template import Template
 
-__all__ = ["command_line", "show_notices", "stored_template"]
+__all__ = [
+    "ScaleType",
+    "check_outputs",
+    "command_line",
+    "show_notices",
+    "stored_template",
+]
 
 
-def show_notices(result: MatchResult | LocateResult) -> None:
+class ScaleType(click.ParamType):  # type: ignore[type-arg, unused-ignore]
+    """A word of SCALES or a number; the options refuse numbers out of range."""
+
+    name = "scale"
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> str | float:
+        """The word or number that was typed."""
+        if value in SCALES:
+            return str(value)
+        try:
+            return float(value)
+        except ValueError:
+            self.fail(f"{value!r} is neither {', '.join(SCALES)} nor a number", param, ctx)
+
+    def shell_complete(
+        self,
+        ctx: click.Context,  # noqa: ARG002 - click asks for it
+        param: click.Parameter,  # noqa: ARG002
+        incomplete: str,
+    ) -> list[CompletionItem]:
+        """The words."""
+        return [CompletionItem(word) for word in SCALES if word.startswith(incomplete)]
+
+
+def check_outputs(
+    folder: Path,
+    kind: str,
+    full: Path,
+    part: Path,
+    *,
+    overwrite: bool,
+    template: Path | None = None,
+    own: Iterable[str] = (),
+) -> None:
+    """Refuse now what could not be written, or must not be replaced, when the work is done.
+
+    Raises
+    ------
+    OutputError
+        If the folder or the template file cannot be written, the folder is not free for a result
+        of this kind, or `full` or `part` lies there under a name that the result needs.
+    """
+    for mesh in (full, part):
+        if mesh.name in NAMES and mesh.resolve().parent == folder.resolve():
+            raise OutputError(f"{mesh}: would be replaced by the result; choose another folder")
+    question = ResultKind(kind, full.name, part.name)
+    replaceable_files(folder, question, overwrite=overwrite, own=own)
+    if template is not None and not template.exists():
+        require_writable(template)
+
+
+def show_notices(result: MatchResult | LocateResult, *, quiet: bool) -> None:
     """Say on standard error what was adapted; called once there is a result it applies to."""
+    if quiet:
+        return
     for which, mesh in (("full", result.full), ("part", result.part)):
         for text in result.notices[which]:
             note = click.style("note:", fg="yellow")
             click.echo(f"{note} {mesh.name}: {text}", err=True)
 
 
-def stored_template(path: Path | None, full: Path) -> Template:
+def stored_template(path: Path | None, full: Path, *, quiet: bool) -> Template:
     """The template of the mesh `full`, kept in the file `path` if one is named.
+
+    How large a file is that is made is said on standard error, unless quiet.
 
     Raises
     ------
@@ -38,6 +108,9 @@ def stored_template(path: Path | None, full: Path) -> Template:
     template = Template(intake)
     if path is not None:
         template.save(path)
+        if not quiet:
+            size = path.stat().st_size / 1e6
+            click.echo(f"template written: {path} ({size:.0f} MB)", err=True)
     return template
 
 

@@ -9,14 +9,22 @@ from typing import Any
 import click
 
 from sherd.cli.exits import NOT_CONVERGED
-from sherd.cli.inputs import command_line, show_notices, stored_template
+from sherd.cli.inputs import (
+    check_outputs,
+    command_line,
+    show_notices,
+    stored_template,
+)
+from sherd.cli.options import overwrite_option, quiet_option
 from sherd.locate import STAGES, locate
 from sherd.output import Stages
 from sherd.report.exports import SHAPE_EXPORTS
+from sherd.report.stored.folder import REGION_FORMAT
 from sherd.report.write import write_report
 from sherd.results.locate_options import DESCRIPTORS, METHODS, SOLVERS, LocateOptions
 from sherd.results.locate_result import LocateResult
 from sherd.scan.either_side import SIDES
+from sherd.scan.intake import scan_intake
 
 __all__ = ["locate_command"]
 
@@ -66,10 +74,11 @@ FILE = click.Path(path_type=Path)
     "exports",
     type=click.Choice(SHAPE_EXPORTS),
     multiple=True,
-    help="Further files: ParaView, NumPy, MATLAB. May be repeated.",
+    help="Further files: ParaView (vtp), web viewers (glb), NumPy, MATLAB. May be repeated.",
 )
+@overwrite_option
 @click.option("--json", "as_json", is_flag=True, help="Print result.json on standard output.")
-@click.option("-q", "--quiet", is_flag=True, help="Print errors only.")
+@quiet_option()
 def locate_command(
     full: Path,
     part: Path,
@@ -77,6 +86,7 @@ def locate_command(
     *,
     template: Path | None,
     exports: tuple[str, ...],
+    overwrite: bool,
     as_json: bool,
     quiet: bool,
     **parameters: Any,
@@ -93,11 +103,19 @@ def locate_command(
       sherd locate template.ply scan.ply -o out/ --method subspace
     """  # noqa: D301
     options = LocateOptions(**parameters)
+    check_outputs(output, REGION_FORMAT, full, part, overwrite=overwrite, template=template)
     stages = Stages(len(STAGES) + 1, visible=False if quiet else None)
-    result = locate(stored_template(template, full), part, options, stages=stages)
-    show_notices(result)
+    scan = scan_intake(part)
+    result = locate(stored_template(template, full, quiet=quiet), scan, options, stages=stages)
+    show_notices(result, quiet=quiet)
     with stages("files"):
-        document = write_report(result, output, command=command_line(), exports=exports)
+        document = write_report(
+            result,
+            output,
+            command=command_line(),
+            exports=exports,
+            overwrite=True,  # check_outputs has asked
+        )
     stages.close()
     if as_json:
         click.echo(json.dumps(document, indent=2))

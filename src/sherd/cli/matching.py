@@ -10,11 +10,21 @@ import click
 import numpy as np
 
 from sherd.cli.exits import NOT_CONVERGED
-from sherd.cli.inputs import command_line, show_notices, stored_template
+from sherd.cli.inputs import (
+    ScaleType,
+    check_outputs,
+    command_line,
+    show_notices,
+    stored_template,
+)
+from sherd.cli.options import overwrite_option, quiet_option
 from sherd.cli.tables import read_ground_truth, read_ignored, read_landmarks
+from sherd.limits import require_finite, require_seed
 from sherd.match import STAGES, match
+from sherd.mesh.units import UNITS, Unit
 from sherd.output import Stages
 from sherd.report.exports import MAP_EXPORTS, SHAPE_EXPORTS
+from sherd.report.stored.folder import MATCH_FORMAT
 from sherd.report.write import write_report
 from sherd.results.match_options import SCALES, MatchOptions, Scale
 from sherd.results.match_result import MatchResult
@@ -36,11 +46,15 @@ FILE = click.Path(path_type=Path)
 @click.option("-o", "--output", type=FILE, required=True, help="Folder.")
 @click.option(
     "--scale",
-    type=click.Choice(SCALES),
+    type=ScaleType(),
+    metavar=f"[{'|'.join(SCALES)}|FACTOR]",
     default="same",
     show_default=True,
-    help="Unknown: the part's scale is estimated within half and twice that of FULL.",
+    help="Unknown: the part's scale is estimated within half and twice that of FULL. A number: "
+    "the part is enlarged by it.",
 )
+@click.option("--part-unit", type=click.Choice(UNITS), help="Unit of PART; with --full-unit.")
+@click.option("--full-unit", type=click.Choice(UNITS), help="Unit of FULL; with --part-unit.")
 @click.option("--landmarks", type=FILE, help="CSV with columns part_vertex,full_vertex.")
 @click.option("--ignore", type=FILE, help="CSV with a column part_vertex: clothing, support.")
 @click.option("--ground-truth", type=FILE, help="CSV as written here, or SHREC'16 .baryc_gt.")
@@ -56,30 +70,42 @@ FILE = click.Path(path_type=Path)
     show_default=True,
     help="Given: the faces of PART look outward.",
 )
+@click.option(
+    "--min-confidence",
+    type=float,
+    default=0.0,
+    show_default=True,
+    help="Below it a vertex counts as unmatched; 0 to 1.",
+)
 @click.option("--seed", type=int, default=0, show_default=True)
 @click.option(
     "--export",
     "exports",
     type=click.Choice(SHAPE_EXPORTS + MAP_EXPORTS),
     multiple=True,
-    help="Further files: ParaView, NumPy, MATLAB, vertex maps from 0 (map) or 1 (vts). May be "
-    "repeated.",
+    help="Further files: ParaView (vtp), web viewers (glb), NumPy, MATLAB, vertex maps from 0 "
+    "(map) or 1 (vts). May be repeated.",
 )
+@overwrite_option
 @click.option("--json", "as_json", is_flag=True, help="Print result.json on standard output.")
-@click.option("-q", "--quiet", is_flag=True, help="Print errors only.")
+@quiet_option()
 def match_command(  # noqa: PLR0913 - one for each word that can be typed
     full: Path,
     part: Path,
     output: Path,
     *,
-    scale: Scale,
+    scale: Scale | float,
+    part_unit: Unit | None,
+    full_unit: Unit | None,
     landmarks: Path | None,
     ignore: Path | None,
     ground_truth: Path | None,
     template: Path | None,
     side: Side,
+    min_confidence: float,
     seed: int,
     exports: tuple[str, ...],
+    overwrite: bool,
     as_json: bool,
     quiet: bool,
 ) -> int:
@@ -92,16 +118,23 @@ def match_command(  # noqa: PLR0913 - one for each word that can be typed
     Examples:
       sherd match template.ply scan.ply -o out/
       sherd match template.ply scan.ply -o out/ --scale unknown
+      sherd match template.ply scan.ply -o out/ --part-unit mm --full-unit m
       sherd match template.ply scan.ply -o out/ --landmarks pairs.csv --export vtp
     """  # noqa: D301
+    require_finite("min_confidence", min_confidence, 0, 1, "it is a chance")
+    require_seed(seed)
+    check_outputs(output, MATCH_FORMAT, full, part, overwrite=overwrite, template=template)
     stages = Stages(len(STAGES) + 1, visible=False if quiet else None)
-    described, scan = stored_template(template, full), scan_intake(part)
+    scan = scan_intake(part)
+    described = stored_template(template, full, quiet=quiet)
     options = MatchOptions(
         scale=scale,
         landmarks=_landmarks(landmarks, described.intake, scan),
         ignore=_ignored(ignore, scan),
         side=side,
         seed=seed,
+        part_unit=part_unit,
+        full_unit=full_unit,
     )
     result, document = match_and_write(
         described,
@@ -111,8 +144,10 @@ def match_command(  # noqa: PLR0913 - one for each word that can be typed
         stages=stages,
         truth=ground_truth,
         exports=exports,
+        min_confidence=min_confidence,
     )
     stages.close()
+    show_notices(result, quiet=quiet)
     if as_json:
         click.echo(json.dumps(document, indent=2))
     elif not quiet:
@@ -129,17 +164,22 @@ def match_and_write(
     stages: Stages,
     truth: Path | None = None,
     exports: tuple[str, ...] = (),
+    min_confidence: float = 0.0,
 ) -> tuple[MatchResult, dict[str, Any]]:
-    """Match, say what was adapted, and write the answer."""
+    """Match and write the answer into a folder that `check_outputs` has found free."""
     true_points = None if truth is None else read_ground_truth(truth, full.full, part.original)
-    result = match(full, part, options, stages=stages)
-    show_notices(result)
+    result = match(full, part, options, stages=stages).with_min_confidence(min_confidence)
     with stages("files"):
         errors = None
         if true_points is not None:
             errors = SurfaceDistances(result.full).between(true_points, result.points)
         document = write_report(
-            result, output, command=command_line(), errors=errors, exports=exports
+            result,
+            output,
+            command=command_line(),
+            errors=errors,
+            exports=exports,
+            overwrite=True,  # check_outputs has asked
         )
     return result, document
 
@@ -151,13 +191,13 @@ def match_summary(result: MatchResult, document: dict[str, Any], output: Path) -
         f"{document['unmatched']} of {result.part.vertex_count} vertices unmatched, mean "
         f"confidence {document['mean_confidence']:.2f}."
     ]
-    if result.options.scale == "unknown":
-        lines.append(f"The part was enlarged {result.scale:.3f} times to fit.")
+    if result.scale != 1.0 or result.options.scale == "unknown":
+        lines.append(f"The part was enlarged {result.scale:.4g} times to fit.")
     lines += [
         f"Alternative: {other.name}, score {other.score:.3f}" for other in result.alternatives
     ]
     if result.status is Status.DOUBTFUL:
-        lines.append(f"The result is {result.status.advice}.")
+        lines.append(f"The result is {result.advice}.")
     if "ground_truth" in document:
         mean = document["ground_truth"]["mean_error_x100"]
         lines.append(f"Mean error against the ground truth: {mean:.2f} % of sqrt(area).")

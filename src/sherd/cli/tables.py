@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -12,8 +13,15 @@ from sherd.errors import InputError
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
 
-__all__ = ["columns_of", "numbers_of", "read_ground_truth", "read_ignored", "read_landmarks"]
-
+__all__ = [
+    "columns_of",
+    "numbers_of",
+    "read_ground_truth",
+    "read_ignored",
+    "read_landmarks",
+    "refuse_repeated",
+    "whole_numbers_of",
+]
 
 LARGEST_WHOLE = 2.0**53  # beyond it float64 skips whole numbers
 
@@ -24,7 +32,8 @@ def columns_of(path: Path) -> dict[str, list[str]]:
     Raises
     ------
     InputError
-        If the file cannot be read, has no header or a row of another length.
+        If the file cannot be read, has no header, two columns of one name or a row of another
+        length.
     """
     try:
         with path.open(newline="", encoding="utf-8-sig") as stream:
@@ -36,6 +45,7 @@ def columns_of(path: Path) -> dict[str, list[str]]:
     if not rows:
         raise InputError(f"{path}: is empty; a header and rows of values are needed")
     header = [name.strip() for name in rows[0]]
+    refuse_repeated(path, header, "column")
     for number, row in enumerate(rows[1:], start=2):
         if len(row) != len(header):
             raise InputError(
@@ -47,12 +57,15 @@ def columns_of(path: Path) -> dict[str, list[str]]:
 def read_landmarks(path: Path) -> tuple[Ints, Ints]:
     """Vertices of the part and of the full shape from CSV columns ``part_vertex,full_vertex``."""
     columns = columns_of(path)
-    return _integers(path, columns, "part_vertex"), _integers(path, columns, "full_vertex")
+    return (
+        whole_numbers_of(path, columns, "part_vertex"),
+        whole_numbers_of(path, columns, "full_vertex"),
+    )
 
 
 def read_ignored(path: Path) -> Ints:
     """Vertices from a CSV column ``part_vertex``."""
-    return _integers(path, columns_of(path), "part_vertex")
+    return whole_numbers_of(path, columns_of(path), "part_vertex")
 
 
 def read_ground_truth(path: Path, full: TriangleMesh, part: TriangleMesh) -> SurfacePoints:
@@ -68,7 +81,7 @@ def read_ground_truth(path: Path, full: TriangleMesh, part: TriangleMesh) -> Sur
     """
     if path.suffix.lower() == ".csv":
         columns = columns_of(path)
-        faces = _integers(path, columns, "full_face")
+        faces = whole_numbers_of(path, columns, "full_face")
         weights = np.column_stack([numbers_of(path, columns, name) for name in ("b0", "b1", "b2")])
     else:
         try:
@@ -91,13 +104,35 @@ def read_ground_truth(path: Path, full: TriangleMesh, part: TriangleMesh) -> Sur
     return SurfacePoints(faces, weights / total)
 
 
-def _integers(path: Path, columns: dict[str, list[str]], name: str) -> Ints:
+def whole_numbers_of(path: Path, columns: dict[str, list[str]], name: str) -> Ints:
+    """One column as whole numbers.
+
+    Raises
+    ------
+    InputError
+        If the column is missing or an entry is no whole number.
+    """
     values = numbers_of(path, columns, name)
     whole = np.where(np.abs(values) < LARGEST_WHOLE, values, -1).astype(np.int64)
     if not np.array_equal(whole, values):
         row = int(np.argmax(whole != values)) + 2
         raise InputError(f"{path}: row {row} of column {name} is no whole number")
     return whole
+
+
+def refuse_repeated(path: Path, names: Sequence[object], what: str) -> None:
+    """Refuse names that stand twice in a file.
+
+    Raises
+    ------
+    InputError
+        With the first of them.
+    """
+    seen = set()
+    for name in names:
+        if name in seen:
+            raise InputError(f"{path}: {what} {name!r} is there twice; keep one")
+        seen.add(name)
 
 
 def numbers_of(path: Path, columns: dict[str, list[str]], name: str) -> Floats:

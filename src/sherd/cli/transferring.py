@@ -9,13 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sherd.arrays import Floats
-from sherd.cli.tables import columns_of, numbers_of
+from sherd.cli.options import quiet_option
+from sherd.cli.tables import columns_of, refuse_repeated, whole_numbers_of
+from sherd.cli.vertex_tables import field_of, labels_of, rows_of_vertices, text_table
 from sherd.errors import InputError
 from sherd.files.mesh_files import read_mesh, write_mesh
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
-from sherd.output import write_text
-from sherd.report.files import table_csv
+from sherd.output import require_writable, write_text
 from sherd.report.stored.stored_match import read_match
 from sherd.results.match_result import MatchResult
 
@@ -36,15 +37,30 @@ FILE = click.Path(path_type=Path)
     help="Which shape gets the values; they come from the other.",
 )
 @click.option("--labels", is_flag=True, help="Values are labels: never interpolate.")
-@click.option("-q", "--quiet", is_flag=True, help="Print errors only.")
+@click.option(
+    "--min-confidence",
+    type=float,
+    default=0.0,
+    show_default=True,
+    help="Below it a vertex counts as unmatched; 0 to 1.",
+)
+@quiet_option()
 def transfer_command(
-    folder: Path, values: Path, output: Path, *, to: str, labels: bool, quiet: bool
+    folder: Path,
+    values: Path,
+    output: Path,
+    *,
+    to: str,
+    labels: bool,
+    min_confidence: float,
+    quiet: bool,
 ) -> int:
     """Carry VALUES from one shape to the other along the match in FOLDER.
 
     VALUES is a mesh with vertex fields or colors (written as .ply), a CSV with a column `vertex`
-    and columns of numbers, a row per vertex, or a CSV with the columns `name,vertex` of
-    landmarks. What has no partner is nan, or -1 for labels.
+    and columns of numbers, or with --labels of text, or a CSV with the columns `name,vertex` of
+    landmarks. Vertices that are not named, and what has no partner, are unknown: nan, for labels
+    -1 or empty.
 
     \b
     Examples:
@@ -52,7 +68,8 @@ def transfer_command(
       sherd transfer out/ muscles.csv -o scan-muscles.csv --labels
       sherd transfer out/ landmarks.csv -o scan-landmarks.csv
     """  # noqa: D301
-    stored = read_match(folder)
+    require_writable(output)
+    stored = read_match(folder).with_min_confidence(min_confidence)
     if values.suffix.lower() == ".csv":
         columns = columns_of(values)
         if set(columns) == {"name", "vertex"}:
@@ -66,7 +83,9 @@ def transfer_command(
     return 0
 
 
-def _carried(stored: MatchResult, array: Floats, *, to: str, labels: bool) -> NDArray[np.generic]:
+def _carried(
+    stored: MatchResult, array: NDArray[np.generic], *, to: str, labels: bool
+) -> NDArray[np.generic]:
     if labels:
         return stored.labels_to_part(array) if to == "part" else stored.labels_to_full(array)
     return stored.field_to_part(array) if to == "part" else stored.field_to_full(array)
@@ -76,22 +95,19 @@ def _table(
     stored: MatchResult, path: Path, columns: dict[str, list[str]], *, to: str, labels: bool
 ) -> str:
     source, target = (stored.full, stored.part) if to == "part" else (stored.part, stored.full)
-    order = numbers_of(path, columns, "vertex").astype(np.int64)
-    if not np.array_equal(np.sort(order), np.arange(source.vertex_count)):
-        raise InputError(
-            f"{path}: column vertex must name each of 0..{source.vertex_count - 1} once"
-        )
+    rows = rows_of_vertices(path, columns, source)
+    values = labels_of if labels else field_of
     carried: dict[str, NDArray[np.generic]] = {"vertex": np.arange(target.vertex_count)}
     for name in columns:
         if name != "vertex":
-            array = np.empty(source.vertex_count)
-            array[order] = numbers_of(path, columns, name)
+            array = values(path, columns, name, rows)
             carried[name] = _carried(stored, array, to=to, labels=labels)
-    return table_csv(carried)
+    return text_table(carried)
 
 
 def _landmarks(stored: MatchResult, path: Path, columns: dict[str, list[str]], to: str) -> str:
-    vertices = numbers_of(path, columns, "vertex").astype(np.int64)
+    vertices = whole_numbers_of(path, columns, "vertex")
+    refuse_repeated(path, columns["name"], "name")
     target = stored.part if to == "part" else stored.full
     if to == "part":
         points, misses = stored.landmarks_to_part(vertices)
@@ -115,15 +131,7 @@ def _landmark_text(
     }
     if misses is not None:
         table["miss"] = misses
-    lines = table_csv(table).splitlines()
-    quoted = ['"' + name.replace('"', '""') + '"' if _awkward(name) else name for name in names]
-    return (
-        "\n".join([f"name,{lines[0]}", *map(",".join, zip(quoted, lines[1:], strict=True))]) + "\n"
-    )
-
-
-def _awkward(name: str) -> bool:
-    return any(letter in name for letter in ',"\n')
+    return text_table({"name": np.array(names), **table})
 
 
 def _mesh(stored: MatchResult, path: Path, output: Path, *, to: str, labels: bool) -> None:

@@ -8,8 +8,9 @@ from pathlib import Path
 
 import click
 
+from sherd.cli.options import quiet_option
 from sherd.errors import InputError
-from sherd.output import write_bytes
+from sherd.output import require_writable, write_bytes
 from sherd.report.drawing.picture import picture, png_bytes
 from sherd.report.stored.folder import folder_problems
 from sherd.report.stored.stored_exhibit import read_exhibit
@@ -26,7 +27,7 @@ __all__ = ["on_terminal", "view_command"]
 @click.option("--layer", help="What to color by, for example confidence; else the first.")
 @click.option("--width", type=int, default=1600, show_default=True, help="In pixels.")
 @click.option("--transparent", is_flag=True, help="No background.")
-@click.option("-q", "--quiet", is_flag=True, help="Print errors only.")
+@quiet_option()
 def view_command(
     folder: Path,
     *,
@@ -49,6 +50,7 @@ def view_command(
     """  # noqa: D301
     if png:
         path = output or folder / "view.png"
+        require_writable(path)
         image = picture(read_exhibit(folder), layer=layer, width=width, transparent=transparent)
         write_bytes(path, png_bytes(image))
         if not quiet:

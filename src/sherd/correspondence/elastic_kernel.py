@@ -16,10 +16,10 @@ from __future__ import annotations
 
 import math
 
-import numba
 import numpy as np
 
 from sherd.arrays import Floats
+from sherd.compiled import compiled
 from sherd.surface.elastic_surface import ElasticSurface
 from sherd.threads import over_rows
 
@@ -51,7 +51,7 @@ def softened(elastic: ElasticSurface, strain: Floats) -> ElasticSurface:
     return elastic._replace(weights=weights)
 
 
-@numba.njit(cache=True, nogil=True)
+@compiled(nogil=True)
 def _fit_rotations(rows, elastic, positions, rotations):
     pointers, neighbors, weights, rest = elastic
     for i in range(rows[0], rows[1]):
@@ -65,7 +65,7 @@ def _fit_rotations(rows, elastic, positions, rotations):
         _closest_rotation(a, rotations[i])
 
 
-@numba.njit(cache=True)
+@compiled()
 def _closest_rotation(a, rotation):
     """Rotation R of largest trace(R' a): the top eigenvector of Horn's matrix is its quaternion.
 
@@ -110,7 +110,7 @@ def _closest_rotation(a, rotation):
     rotation[1, 2], rotation[2, 1] = 2 * (y * z - w * x), 2 * (y * z + w * x)
 
 
-@numba.njit(cache=True)
+@compiled()
 def _horn(a, norm, h):
     """Horn's symmetric matrix (4, 4) of a (3, 3), over its norm."""
     s = a.T / norm
@@ -126,7 +126,7 @@ def _horn(a, norm, h):
     h[2, 3] = h[3, 2] = s[1, 2] + s[2, 1]
 
 
-@numba.njit(cache=True)
+@compiled()
 def _largest_root(h):
     """Largest eigenvalue of a symmetric traceless (4, 4), by Newton's method from above."""
     # x^4 + c2 x^2 + c1 x + c0, by the sums of squares and cubes of the eigenvalues
@@ -149,7 +149,7 @@ def _largest_root(h):
     return x
 
 
-@numba.njit(cache=True, inline="always")
+@compiled(inline="always")
 def _cofactor(h, row, column):
     r0, r1, r2 = (row + 1) % 4, (row + 2) % 4, (row + 3) % 4
     c0, c1, c2 = (column + 1) % 4, (column + 2) % 4, (column + 3) % 4
@@ -162,7 +162,7 @@ def _cofactor(h, row, column):
     return minor if (row + column) % 2 == 0 else -minor
 
 
-@numba.njit(cache=True)
+@compiled()
 def relax_positions(elastic, rotations, data, pull, positions, tolerance, limit):
     """Positions (n, 3) of least energy for fixed rotations, by conjugate gradients.
 
@@ -207,7 +207,7 @@ def relax_positions(elastic, rotations, data, pull, positions, tolerance, limit)
     return x
 
 
-@numba.njit(cache=True, inline="always")
+@compiled(inline="always")
 def _blocks(i, pointers, weights, data, blocks, inverse):
     """Write the diagonal block of one vertex, (xx, xy, xz, yy, yz, zz), and its inverse."""
     diagonal = 1e-12
@@ -226,7 +226,7 @@ def _blocks(i, pointers, weights, data, blocks, inverse):
         inverse[i, k] = scale * minors[k]
 
 
-@numba.njit(cache=True, inline="always")
+@compiled(inline="always")
 def _multiply(i, pointers, neighbors, weights, blocks, x, out):
     """Row i of the energy's matrix times x, into `out`; returns its product with x."""
     b = blocks[i]
@@ -243,7 +243,7 @@ def _multiply(i, pointers, neighbors, weights, blocks, x, out):
     return t0 * x0 + t1 * x1 + t2 * x2
 
 
-@numba.njit(cache=True, inline="always")
+@compiled(inline="always")
 def _right_side(i, pointers, neighbors, weights, rest, rotations, pull, out):
     t0, t1, t2 = pull[i, 0], pull[i, 1], pull[i, 2]
     for entry in range(pointers[i], pointers[i + 1]):
@@ -256,7 +256,7 @@ def _right_side(i, pointers, neighbors, weights, rest, rotations, pull, out):
     out[i, 0], out[i, 1], out[i, 2] = t0, t1, t2
 
 
-@numba.njit(cache=True, inline="always")
+@compiled(inline="always")
 def _precondition(i, inverse, residual, out):
     """Row i of the inverse blocks times the residual, into `out`; returns their product."""
     b = inverse[i]
@@ -268,7 +268,7 @@ def _precondition(i, inverse, residual, out):
     return t0 * x0 + t1 * x1 + t2 * x2
 
 
-@numba.njit(cache=True, nogil=True)
+@compiled(nogil=True)
 def _strains(rows, elastic, positions, rotations, result):
     pointers, neighbors, weights, rest = elastic
     for i in range(rows[0], rows[1]):
@@ -284,7 +284,7 @@ def _strains(rows, elastic, positions, rotations, result):
         result[i] = math.sqrt(moved / size)
 
 
-@numba.njit(cache=True, nogil=True)
+@compiled(nogil=True)
 def _softened(rows, elastic, strain, result):
     pointers, neighbors, weights, _ = elastic
     for i in range(rows[0], rows[1]):

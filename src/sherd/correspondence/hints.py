@@ -18,7 +18,7 @@ __all__ = ["check_hints", "landmark_pairs", "pins_of", "without_ignored", "worki
 
 
 def check_hints(full: Intake, part: Intake, options: MatchOptions) -> None:
-    """Refuse hints that name vertices which do not exist.
+    """Refuse hints that name vertices which do not exist, and masks of another mesh.
 
     Raises
     ------
@@ -37,6 +37,11 @@ def check_hints(full: Intake, part: Intake, options: MatchOptions) -> None:
             raise OptionError(
                 f"{name} names vertex {vertices.max()} of the {shape}, which has 0..{count - 1}"
             )
+    length = getattr(options.ignore, "mask_length", None)
+    if length not in (None, counts[0]):
+        raise OptionError(
+            f"ignore is a mask of {length} values, but the part has {counts[0]} vertices"
+        )
 
 
 def landmark_pairs(options: MatchOptions) -> Ints:
@@ -76,10 +81,10 @@ def pins_of(template: Template, part: Intake, kept: Ints, options: MatchOptions)
     new = np.full(part.mesh.vertex_count, -1, dtype=np.int64)
     new[kept] = np.arange(len(kept))
     there = new[on_part] >= 0
-    return Pins(new[on_part][there], template.placed.vertices[on_full[there]])
+    return Pins(new[on_part][there], template.placed.vertices[on_full[there]], pairs[there])
 
 
 def working_pins(part: DescribedSurface, pins: Pins) -> Pins:
     """The same pins on vertices of the part's working mesh, each once."""
     vertices, first = np.unique(part.working.working_vertices(pins.vertices), return_index=True)
-    return Pins(vertices, pins.positions[first])
+    return Pins(vertices, pins.positions[first], pins.landmarks[first])

@@ -23,13 +23,16 @@ class Pins:
         (p,) vertices of the part's working mesh, among its sparse samples.
     positions
         (p, 3) where they belong, in the frame of the full shape.
+    landmarks
+        (p, 2) vertices of the part and of the full shape, as the user counts.
     """
 
     vertices: Ints
     positions: Floats
+    landmarks: Ints
 
 
-NO_PINS = Pins(np.empty(0, dtype=np.int64), np.empty((0, 3)))
+NO_PINS = Pins(np.empty(0, dtype=np.int64), np.empty((0, 3)), np.empty((0, 2), dtype=np.int64))
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from sherd.correspondence.labels.anchors import find_anchors
@@ -11,7 +13,7 @@ from sherd.correspondence.question import Question
 from sherd.mesh.sizes import LARGEST_PART
 from sherd.surface.transformed import enlarged
 
-__all__ = ["LARGEST_SCALE", "estimated_scale", "length_ratio"]
+__all__ = ["LARGEST_SCALE", "SAME", "ScaleEstimate", "estimated_scale", "length_ratio"]
 
 # The range that users are promised, and a grid over it: a neighborhood that is a tenth too
 # large is still recognized.
@@ -20,11 +22,24 @@ GRID = 7
 # Lengths below this are dominated by the spacing of labels, above it by the cut.
 SHORTEST, LONGEST = 0.08, 0.5
 REFINEMENTS = 2
+# An estimate that would lie farther out varies by so much around the bound.
+BOUND = 1.02
 # The median of fewer lengths is worth less than that of unsafe ones.
 FEWEST = 20
 
 
-def estimated_scale(question: Question, rng: np.random.Generator) -> float:
+@dataclass(frozen=True)
+class ScaleEstimate:
+    """A factor, and whether it would lie farther out if that were allowed."""
+
+    factor: float
+    at_bound: bool = False
+
+
+SAME = ScaleEstimate(1.0)
+
+
+def estimated_scale(question: Question, rng: np.random.Generator) -> ScaleEstimate:
     """The factor in [1/2, 2] by which `part` must be enlarged.
 
     The part is labeled at each factor of a grid, as far as it does not become larger than the full
@@ -43,7 +58,9 @@ def estimated_scale(question: Question, rng: np.random.Generator) -> float:
     for _ in range(REFINEMENTS):
         factor = float(np.clip(factor, 1 / LARGEST_SCALE, largest))
         factor *= _trial(question, factor, rng)[1]
-    return float(np.clip(factor, 1 / LARGEST_SCALE, largest))
+    factor = float(np.clip(factor, 1 / LARGEST_SCALE, largest))
+    at_bound = factor <= BOUND / LARGEST_SCALE or factor >= largest / BOUND
+    return ScaleEstimate(factor, at_bound)
 
 
 def length_ratio(problem: Problem, labeling: Labeling) -> tuple[float, float]:

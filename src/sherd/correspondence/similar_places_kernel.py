@@ -8,10 +8,10 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-import numba
 import numpy as np
 
 from sherd.arrays import Floats, Singles
+from sherd.compiled import compiled
 from sherd.descriptors.rotation_kernel import similarity_of_two
 from sherd.mesh.vertex_cells_kernel import vertices_in_ball
 
@@ -42,7 +42,7 @@ class Spectra(NamedTuple):
     waves: Singles
 
 
-@numba.njit(cache=True, nogil=True)
+@compiled(nogil=True)
 def most_alike(  # noqa: PLR0913
     rows, here, nearest, cells, sheet, spectra, reach, targets, confidence, similarity
 ):

@@ -7,10 +7,10 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import numba
 import numpy as np
 
 from sherd.arrays import Ints
+from sherd.compiled import compiled
 
 __all__ = ["Members", "trilaterate"]
 
@@ -34,7 +34,7 @@ class Members(NamedTuple):
 # First the best cells by the costs of their labels, then the best vertex in them: a twelfth of the
 # work of comparing all vertices. The cost changes little within a cell, so the best vertex is
 # in one of the best cells.
-@numba.njit(cache=True, nogil=True)
+@compiled(nogil=True)
 def trilaterate(rows, near, length, labels, between, to_vertices, members, result):
     """Write the vertex (n',) of least cost for the lengths (n', a) to the nodes `near`."""
     pointers = members.pointers
@@ -64,7 +64,7 @@ def trilaterate(rows, near, length, labels, between, to_vertices, members, resul
                     lowest, result[point] = cost, vertex
 
 
-@numba.njit(cache=True, inline="always")
+@compiled(inline="always")
 def _misfit(at, length, distances, vertex, limit):
     """Cost of one vertex, or any number above `limit` if it is above."""
     cost = 0.0

@@ -7,9 +7,9 @@ from __future__ import annotations
 
 import math
 
-import numba
 import numpy as np
 
+from sherd.compiled import compiled
 from sherd.descriptors.shot_kernel import AZIMUTHS, BINS, vote
 
 __all__ = ["FREQUENCIES", "describe", "pool_cells", "similarity_of_two"]
@@ -18,7 +18,7 @@ FREQUENCIES = AZIMUTHS // 2 + 1
 
 
 # Each histogram becomes a spectrum at once: all of them together would be four times the result.
-@numba.njit(cache=True, nogil=True)
+@compiled(nogil=True)
 def describe(  # noqa: PLR0913
     rows, vertices, normals, weights, queries, x_axes, z_axes, radii, cells, waves, result
 ):
@@ -41,7 +41,7 @@ def describe(  # noqa: PLR0913
                         result[frequency, row, start + entry] = scale * total
 
 
-@numba.njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
+@compiled(nogil=True, fastmath={"reassoc", "contract"})
 def pool_cells(rows, parts, cells, waves, result):
     """Maximum over the vertices of each cell of the similarity at each rotation."""
     shifts = waves.shape[1]
@@ -59,7 +59,7 @@ def pool_cells(rows, parts, cells, waves, result):
 
 
 # Sums may be regrouped into vector lanes: the same on every run, and four times faster.
-@numba.njit(cache=True, fastmath={"reassoc", "contract"})
+@compiled(fastmath={"reassoc", "contract"})
 def similarity_of_two(full_spectra, vertex, part_spectra, point, waves):
     """Similarity, best over rotation, of one full vertex with one part point, for kernels.
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 
-import numba
 import numpy as np
 
 from sherd.arrays import Floats, Ints
+from sherd.compiled import compiled
 from sherd.mesh.vertex_cells_kernel import sorted_into_cells
 from sherd.threads import over_rows
 
@@ -103,7 +103,7 @@ def neighborhood_moments(
     return covariance, mean
 
 
-@numba.njit(cache=True, nogil=True)
+@compiled(nogil=True)
 def _vote_all(  # noqa: PLR0913
     rows, vertices, normals, weights, queries, x_axes, z_axes, radii, cells, histograms
 ):
@@ -112,7 +112,7 @@ def _vote_all(  # noqa: PLR0913
         vote(vertices, normals, weights, queries[row], frame, radii, cells, histograms[row])
 
 
-@numba.njit(cache=True)
+@compiled()
 def vote(vertices, normals, weights, query, frame, radii, cells, histogram):
     """Add the votes of all neighbors of one vertex to its histogram (r, 8, 44).
 
@@ -163,7 +163,7 @@ def vote(vertices, normals, weights, query, frame, radii, cells, histogram):
                         )  # fmt: skip
 
 
-@numba.njit(cache=True)
+@compiled()
 def _stride(vertices, query, cells, reach):
     """Of how many neighbors in its ball one votes: 1, unless there are more than MOST_VOTES."""
     order, starts, origin, size, shape = cells
@@ -191,7 +191,7 @@ def _stride(vertices, query, cells, reach):
     return 1 + inside // MOST_VOTES
 
 
-@numba.njit(cache=True, inline="always")
+@compiled(inline="always")
 def _add(histogram, k, weight, azimuth, height, radius, cosine):
     """Share one vote linearly between the two nearest bins of each of the four coordinates."""
     at_azimuth = azimuth * AZIMUTHS
@@ -215,7 +215,7 @@ def _add(histogram, k, weight, azimuth, height, radius, cosine):
                     histogram[k, a, base + c] += share_r * (1.0 - abs(at_cosine - c0 - step_c))
 
 
-@numba.njit(cache=True, nogil=True)
+@compiled(nogil=True)
 def _moments(rows, vertices, weights, queries, radius, cells, covariance, mean):
     """Sum the first and second moments of the neighbors of each query."""
     order, starts, origin, size, shape = cells

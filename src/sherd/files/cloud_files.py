@@ -21,7 +21,7 @@ __all__ = ["read_points", "read_scan"]
 
 
 def read_scan(path: str | os.PathLike[str]) -> TriangleMesh | PointCloud:
-    """Read a triangle mesh, or the points of an XYZ file or of PLY, OBJ or OFF without faces.
+    r"""Read a triangle mesh, or the points of an XYZ file or of PLY, OBJ or OFF without faces.
 
     Raises
     ------
@@ -29,6 +29,14 @@ def read_scan(path: str | os.PathLike[str]) -> TriangleMesh | PointCloud:
         If the file is missing, damaged, or promises more than it holds.
     InvalidMeshError
         If it describes neither a mesh nor a point cloud.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     _ = Path(f"{folder}/scan.xyz").write_text("0 0 0\n1 0 0\n0 1 0\n1 1 0\n")
+    ...     read_scan(f"{folder}/scan.xyz")
+    PointCloud('scan.xyz', 4 points)
     """
     cloud = read_points(path)
     return read_mesh(path) if cloud is None else cloud

@@ -70,6 +70,15 @@ def read_mesh(path: str | os.PathLike[str]) -> TriangleMesh:
         more than it holds.
     InvalidMeshError
         If it holds no faces, only faces without area, or coordinates that are not finite.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     triangle = TriangleMesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+    ...     write_mesh(triangle, f"{folder}/triangle.ply")
+    ...     read_mesh(f"{folder}/triangle.ply")
+    TriangleMesh('triangle.ply', 3 vertices, 1 faces)
     """
     mesh, notices = read_mesh_with_notices(path)
     for notice in notices:
@@ -146,6 +155,14 @@ def write_mesh(
         If `fields` or `colors` do not fit the mesh.
     OutputError
         If the file cannot be written; what stood there before is untouched.
+
+    Examples
+    --------
+    >>> triangle = TriangleMesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+    >>> write_mesh(triangle, "triangle.doc")
+    Traceback (most recent call last):
+        ...
+    sherd.errors.OptionError: suffix '.doc' is unknown; sherd writes .off, .obj, .ply, .stl, .glb
     """
     suffix = Path(path).suffix.lower()
     write_bytes(path, encode.encoded(mesh, suffix, fields=fields, colors=colors))

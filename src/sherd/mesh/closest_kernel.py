@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import numba
 import numpy as np
 
 from sherd.arrays import Floats, Ints
+from sherd.compiled import compiled
 from sherd.threads import over_rows
 
 __all__ = ["closest_on_faces"]
@@ -22,7 +22,7 @@ def closest_on_faces(
     over_rows(_closest_on_faces, len(positions), positions, near, corners, penalty, faces, weights)
 
 
-@numba.njit(cache=True, nogil=True)
+@compiled(nogil=True)
 def _closest_on_faces(rows, positions, near, corners, penalty, faces, weights):
     for row in range(rows[0], rows[1]):
         best = np.inf
@@ -41,7 +41,7 @@ def _closest_on_faces(rows, positions, near, corners, penalty, faces, weights):
                 weights[row, 0], weights[row, 1], weights[row, 2] = 1.0 - v - w, v, w
 
 
-@numba.njit(cache=True)
+@compiled()
 def _closest_weights(p, a, b, c):  # noqa: PLR0911
     """Weights of b and c at the point of the triangle closest to p."""
     d1 = d2 = d3 = d4 = d5 = d6 = 0.0

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike
 
-from sherd.arrays import Floats, frozen
+from sherd.arrays import Floats, FrozenState, frozen
 from sherd.errors import InvalidMeshError
 from sherd.mesh.validate import checked_vertices
 
@@ -15,7 +15,7 @@ __all__ = ["PointCloud"]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class PointCloud:
+class PointCloud(FrozenState):
     """Points of a surface, and their normals where the scanner gave them; arrays are read-only.
 
     Parameters

@@ -6,6 +6,7 @@ import numpy as np
 
 from sherd.errors import InfeasibleError
 from sherd.mesh.triangle_mesh import TriangleMesh
+from sherd.mesh.units import unit_proposal
 
 __all__ = ["LARGEST_PART", "SMALLEST_PART", "check_sizes"]
 
@@ -13,25 +14,38 @@ __all__ = ["LARGEST_PART", "SMALLEST_PART", "check_sizes"]
 # over a body, and individuals differ: of bodies brought to the same height, areas by a fifth. What
 # is larger still has another unit, or the two are swapped.
 LARGEST_PART = 1.3
-# In area: a part 3e-5 of the length of the full shape lies between the vertices of any mesh.
-SMALLEST_PART = 1e-9
+# In area: the smallest neighborhood that is compared is four times as wide as a part of a hundredth
+# of the length. A full shape in millimeters and a part in meters are farther apart still.
+SMALLEST_PART = 1e-4
 
 
-def check_sizes(full: TriangleMesh, part: TriangleMesh, *, largest_scale: float = 1.0) -> None:
+def check_sizes(
+    full: TriangleMesh,
+    part: TriangleMesh,
+    *,
+    factor: float = 1.0,
+    largest_scale: float = 1.0,
+    options: bool = False,
+) -> None:
     """Refuse a part that cannot lie on the full shape by its size.
 
     Parameters
     ----------
     full, part
         In their own units.
+    factor
+        What lengths of the part are multiplied by, as far as that is known.
     largest_scale
-        How many times the part may be shrunk; above 1 where its scale is unknown.
+        How many times the part may be enlarged or shrunk beyond; above 1 where its scale is
+        unknown.
+    options
+        Whether the question has options for scale and units, which the message then proposes.
 
     Raises
     ------
     InfeasibleError
         If a shape has no area, or the part is more than 1.3 times as large as the full shape, or
-        a dot on it.
+        a dot on it. The message names units that would explain it.
     """
     for mesh in (full, part):
         if not (np.isfinite(mesh.area) and mesh.area > 0):
@@ -39,15 +53,20 @@ def check_sizes(full: TriangleMesh, part: TriangleMesh, *, largest_scale: float 
                 f"{mesh.name}: the surface has area {mesh.area}, so nothing can be matched; "
                 "its faces are degenerate or its coordinates too small"
             )
-    ratio = part.area / full.area
-    if ratio > LARGEST_PART * largest_scale**2:
-        raise InfeasibleError(
-            f"{part.name} has {ratio:.4g} times the area of {full.name}, but a part is at most "
-            f"{LARGEST_PART} times as large as the full shape; are the two swapped, or in "
-            "different units?"
+    ratio = part.area * factor**2 / full.area
+    if SMALLEST_PART / largest_scale**2 <= ratio <= LARGEST_PART * largest_scale**2:
+        return
+    said = f"{part.name} has {ratio:.4g} times the area of {full.name}"
+    if factor != 1.0:
+        said += f" once its lengths are multiplied by {factor:.6g}"
+    if largest_scale != 1.0:
+        said += f", and an unknown scale is sought up to {largest_scale:g} times more or less"
+    if ratio > 1:
+        said += (
+            f", but a part is at most {LARGEST_PART} times as large as the full shape; are the two "
+            "swapped, or in different units?"
         )
-    if ratio < SMALLEST_PART:
-        raise InfeasibleError(
-            f"{part.name} has {ratio:.2g} times the area of {full.name}, too "
-            "little to be found there; are the two in different units?"
-        )
+    else:
+        said += ", too little to be found there; are the two in different units?"
+    proposal = unit_proposal(np.sqrt(ratio), options=options) if factor == 1.0 else ""
+    raise InfeasibleError(f"{said} T{proposal[1:]}" if proposal else said)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.spatial import cKDTree
 
-from sherd.arrays import Floats, Ints, frozen
+from sherd.arrays import Floats, FrozenState, Ints, frozen
 from sherd.errors import InvalidMeshError
 from sherd.mesh.triangle_mesh import TriangleMesh
 
@@ -20,8 +20,8 @@ WEIGHT_TOLERANCE = 1e-3
 BLOCK = 100_000
 
 
-@dataclass(frozen=True, eq=False)
-class SurfacePoints:
+@dataclass(frozen=True, eq=False, repr=False)
+class SurfacePoints(FrozenState):
     """Points on the surface of one mesh.
 
     Parameters
@@ -35,6 +35,13 @@ class SurfacePoints:
     ------
     InvalidMeshError
         If the shapes differ, a weight is outside [0, 1] or a row does not sum to 1.
+
+    Examples
+    --------
+    >>> middle = SurfacePoints([0], [[0.5, 0.5, 0.0]])
+    >>> triangle = TriangleMesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+    >>> middle.positions(triangle).tolist()
+    [[0.5, 0.0, 0.0]]
     """
 
     faces: Ints
@@ -59,6 +66,9 @@ class SurfacePoints:
         weights /= weights.sum(axis=1, keepdims=True)
         object.__setattr__(self, "faces", frozen(faces))
         object.__setattr__(self, "barycentric", frozen(weights))
+
+    def __repr__(self) -> str:
+        return f"SurfacePoints({len(self)} points)"
 
     def __len__(self) -> int:
         return len(self.faces)

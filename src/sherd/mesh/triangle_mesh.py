@@ -6,12 +6,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from types import MappingProxyType
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from sherd.arrays import Floats, Ints, frozen
+from sherd.arrays import Floats, FrozenState, Ints, frozen
 from sherd.errors import InvalidMeshError
 from sherd.mesh import geometry, topology
 from sherd.mesh.validate import checked_faces, checked_field, checked_vertices
@@ -20,7 +19,7 @@ __all__ = ["TriangleMesh"]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class TriangleMesh:
+class TriangleMesh(FrozenState):
     """A triangle mesh with optional vertex fields; all arrays are read-only.
 
     Boundaries, several components, non-manifold edges and unreferenced vertices are legal;
@@ -74,17 +73,6 @@ class TriangleMesh:
 
     def __repr__(self) -> str:
         return f"TriangleMesh({self.name!r}, {self.vertex_count} vertices, {self.face_count} faces)"
-
-    def __getstate__(self) -> dict[str, Any]:
-        return {
-            "vertices": self.vertices,
-            "faces": self.faces,
-            "fields": dict(self.fields),
-            "name": self.name,
-        }
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        self.__init__(**state)  # type: ignore[misc]
 
     @property
     def vertex_count(self) -> int:

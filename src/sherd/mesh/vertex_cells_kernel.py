@@ -8,10 +8,10 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-import numba
 import numpy as np
 
 from sherd.arrays import Floats, Ints
+from sherd.compiled import compiled
 
 __all__ = ["Cells", "sorted_into_cells", "vertices_in_ball"]
 
@@ -43,7 +43,7 @@ def sorted_into_cells(vertices: Floats, reach: float) -> Cells:
     return Cells(order, starts, origin, float(size), shape)
 
 
-@numba.njit(cache=True)
+@compiled()
 def vertices_in_ball(place, radius, vertices, cells):
     """Indices of the vertices nearer than `radius` to `place` (3,), for kernels.
 

@@ -33,7 +33,7 @@ class Finding:
     sentence: str
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class MeshReport:
     """State of a mesh as it is, and what the default repairs make of it.
 
@@ -61,6 +61,11 @@ class MeshReport:
         What repair did, one entry a step; empty if unusable.
     usable
         As it is, after repair, or not at all.
+
+    Examples
+    --------
+    >>> inspect(TriangleMesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])).usable
+    'usable'
     """
 
     name: str
@@ -84,6 +89,13 @@ class MeshReport:
     def as_dict(self) -> dict[str, Any]:
         """Plain numbers, strings, lists and dictionaries, ready for JSON."""
         return asdict(self)
+
+    def __repr__(self) -> str:
+        wrong = ", ".join(f"{finding.name} ({finding.count})" for finding in self.findings)
+        return (
+            f"MeshReport({self.name!r}, {self.vertex_count} vertices, {self.face_count} faces: "
+            f"{self.usable}{f'; {wrong}' if wrong else ''})"
+        )
 
     def __str__(self) -> str:
         size = " x ".join(f"{side:.4g}" for side in self.extent)

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from sherd.arrays import Ints, frozen
+from sherd.arrays import FrozenState, Ints, frozen
 from sherd.errors import InvalidMeshError, OptionError
 from sherd.mesh import geometry
 from sherd.mesh.triangle_mesh import TriangleMesh
@@ -48,8 +48,8 @@ class RepairStep:
     sentence: str
 
 
-@dataclass(frozen=True, eq=False)
-class RepairReport:
+@dataclass(frozen=True, eq=False, repr=False)
+class RepairReport(FrozenState):
     """What was repaired, and how old and new vertices correspond.
 
     Parameters
@@ -60,11 +60,22 @@ class RepairReport:
         (n_new,) int, the old index of each new vertex.
     new_vertices
         (n_old,) int, the new index of each old vertex, -1 if it belongs to no face any more.
+
+    Examples
+    --------
+    >>> _, report = repair(TriangleMesh([[0, 0, 0], [1, 0, 0], [0, 1, 0], [9, 9, 9]], [[0, 1, 2]]))
+    >>> report.changed, report.new_vertices.tolist()
+    (True, [0, 1, 2, -1])
     """
 
     steps: tuple[RepairStep, ...]
     original_vertices: Ints
     new_vertices: Ints
+
+    def __repr__(self) -> str:
+        done = ", ".join(f"{step.name} ({step.count})" for step in self.steps if step.count)
+        before, after = len(self.new_vertices), len(self.original_vertices)
+        return f"RepairReport({done or 'nothing to do'}; vertices {before} -> {after})"
 
     @property
     def changed(self) -> bool:

@@ -6,6 +6,7 @@ way (there and back for "balance"), so that a gray print still orders the values
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -23,7 +24,9 @@ __all__ = [
     "UNKNOWN",
     "color_table",
     "correspondence_layer",
+    "full_layer",
     "layer_colors",
+    "linear_from_srgb",
     "part_layer",
 ]
 
@@ -72,10 +75,17 @@ def srgb_from_oklab(oklab: Floats) -> Bytes:
 
 def oklab_from_srgb(rgb: NDArray[np.generic]) -> Floats:
     """(n, 3) sRGB in 0..255 to Oklab."""
-    encoded = np.asarray(rgb, dtype=np.float64) / 255
-    linear = np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4)
-    oklab: Floats = np.cbrt(linear @ _CONES.T) @ _OKLAB.T
+    oklab: Floats = np.cbrt(linear_from_srgb(rgb) @ _CONES.T) @ _OKLAB.T
     return oklab
+
+
+def linear_from_srgb(rgb: NDArray[np.generic]) -> Floats:
+    """Amounts of light in [0, 1], (n, 3), of sRGB in 0..255."""
+    encoded = np.asarray(rgb, dtype=np.float64) / 255
+    linear: Floats = np.where(
+        encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4
+    )
+    return linear
 
 
 @cache
@@ -154,6 +164,15 @@ def correspondence_layer(full: TriangleMesh, *, name: str = "correspondence") ->
         description="Corresponding points have the same color; gray points have no partner.",
         carried=True,
     )
+
+
+def full_layer(exhibit: Exhibit, name: str) -> Layer | None:
+    """Layer that the full shape shows under `name`; carried colors are gray outside the region."""
+    layer = next((layer for layer in exhibit.full_layers if layer.name == name), None)
+    if layer is None or layer.kind != "color" or not layer.carried or exhibit.partner is None:
+        return layer
+    inside = np.asarray(exhibit.region)[:, None]
+    return replace(layer, values=np.where(inside, layer.values, UNKNOWN))
 
 
 def part_layer(exhibit: Exhibit, name: str) -> Layer | None:

@@ -17,7 +17,7 @@ from sherd.errors import InvalidMeshError, OptionError
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
 
-__all__ = ["Alternative", "Exhibit", "Layer", "LayerKind", "Partner"]
+__all__ = ["Alternative", "Exhibit", "Layer", "LayerKind", "Partner", "Verdict"]
 
 LayerKind = Literal["scalar", "mask", "color", "category"]
 COLOR_MAPS = ("ember", "lagoon", "dusk", "balance")
@@ -49,7 +49,8 @@ class Layer:
     labels
         Names of the categories by number.
     carried
-        True for a layer of the full shape that the part shows as well, through its partner.
+        True for a layer of the full shape that the part shows as well, through its partner. If
+        it consists of colors, points of the full shape outside the region are gray.
 
     Raises
     ------
@@ -151,6 +152,39 @@ class Partner:
         return carried
 
 
+@dataclass(frozen=True)
+class Verdict:
+    """How far the answer as a whole can be trusted: what a reader must know first.
+
+    Parameters
+    ----------
+    words
+        A word or two, for example "Doubtful".
+    trusted
+        Shown calmly if True, as a warning if False.
+    advice
+        What that means, and what to do about it.
+
+    Examples
+    --------
+    >>> Verdict.from_advice("doubtful: check the scale", trusted=False)
+    Verdict(words='Doubtful', trusted=False, advice='Check the scale.')
+    """
+
+    words: str
+    trusted: bool
+    advice: str = ""
+
+    @staticmethod
+    def from_advice(sentence: str, *, trusted: bool) -> Verdict:
+        """What stands before the first colon or semicolon of `sentence`, and the rest of it."""
+        mark = ":" if ":" in sentence else ";"
+        words, _, advice = sentence.partition(mark)
+        advice = advice.strip()
+        said = f"{advice[0].upper()}{advice[1:]}." if advice else ""
+        return Verdict(words[:1].upper() + words[1:], trusted, said)
+
+
 @dataclass(frozen=True, eq=False)
 class Alternative:
     """Another place where the part may belong.
@@ -169,6 +203,8 @@ class Alternative:
         The same for the part: what is true of one map is not true of another.
     partner
         The map of this placement, if there is one.
+    region
+        (n,) bool, the place; from the first mask layer when None, and None without one.
     """
 
     name: str
@@ -177,6 +213,11 @@ class Alternative:
     full_layers: tuple[Layer, ...] = ()
     partner: Partner | None = None
     part_layers: tuple[Layer, ...] = ()
+    region: Bools | None = None
+
+    def __post_init__(self) -> None:
+        if self.region is None:
+            object.__setattr__(self, "region", _first_mask(self.full_layers))
 
 
 @dataclass(frozen=True, eq=False)
@@ -201,12 +242,19 @@ class Exhibit:
         What `score` means and which way is better, in a few words.
     alternatives
         Other placements, best first.
+    verdict
+        Whether to trust what is shown; stands above everything else.
     summary
-        Plain sentences; the first one is the headline.
+        Plain sentences; the first one stands below the title.
     facts
         Numbers and words for tables, one table per key.
     command
         What to type to get the same result again; empty if there is no command.
+    landmarks
+        (k, 2) int: part vertex, full vertex, as the user gave them; vertices of the files, also
+        where the exhibit shows fewer.
+    ignored
+        (i,) int, part vertices that the user had ignored, of the file as well.
     region
         (n,) bool, the place the camera must see; from the first mask layer when None.
     up
@@ -228,9 +276,12 @@ class Exhibit:
     score: float = float("nan")
     score_name: str = "score"
     alternatives: tuple[Alternative, ...] = ()
+    verdict: Verdict | None = None
     summary: tuple[str, ...] = ()
     facts: Mapping[str, Any] = field(default_factory=dict)
     command: str = ""
+    landmarks: tuple[tuple[int, int], ...] = ()
+    ignored: tuple[int, ...] = ()
     region: Bools | None = None
     up: tuple[float, float, float] | None = None
 
@@ -282,7 +333,10 @@ class Exhibit:
     def _region(self) -> Bools:
         if self.region is not None:
             return np.asarray(self.region, dtype=bool)
-        for layer in self.full_layers:
-            if layer.kind == "mask" and layer.values.any():
-                return np.asarray(layer.values, dtype=bool)
-        return np.ones(self.full.vertex_count, dtype=bool)
+        mask = _first_mask(self.full_layers)
+        return np.ones(self.full.vertex_count, dtype=bool) if mask is None else mask
+
+
+def _first_mask(layers: tuple[Layer, ...]) -> Bools | None:
+    masks = (layer.values for layer in layers if layer.kind == "mask" and layer.values.any())
+    return next((np.asarray(values, dtype=bool) for values in masks), None)

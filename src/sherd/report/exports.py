@@ -1,4 +1,4 @@
-"""Further files on request: VTP for ParaView, NPZ, MAT, and the vertex maps of the field."""
+"""Further files on request: VTP for ParaView, GLB, NPZ, MAT, the vertex maps of the field."""
 
 from __future__ import annotations
 
@@ -10,14 +10,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sherd.errors import OptionError
+from sherd.npz import arrays_npz
 from sherd.report.colors import part_layer
 from sherd.report.exhibit import Exhibit, Layer
-from sherd.report.files import arrays_npz, layer_values, vertex_map_text
+from sherd.report.files import layer_values, vertex_map_text
+from sherd.report.glb import glb_scene
 from sherd.report.vtp import vtp_text
 
 __all__ = ["MAP_EXPORTS", "SHAPE_EXPORTS", "exported"]
 
-SHAPE_EXPORTS = ("vtp", "npz", "mat")
+SHAPE_EXPORTS = ("vtp", "glb", "npz", "mat")
 # These say which point is which, so they need a map.
 MAP_EXPORTS = ("map", "vts")
 
@@ -53,6 +55,8 @@ def _files(exhibit: Exhibit, kind: str) -> dict[str, bytes | str]:
             "full.vtp": vtp_text(full, exhibit.full_layers),
             "part.vtp": vtp_text(exhibit.part, _seen_on_part(exhibit)),
         }
+    if kind == "glb":
+        return {"result.glb": _glb(exhibit)}
     if kind == "npz":
         return {"result.npz": arrays_npz(_arrays(exhibit))}
     if kind == "mat":
@@ -70,6 +74,16 @@ def _seen_on_part(exhibit: Exhibit) -> tuple[Layer, ...]:
     names = [layer.name for layer in exhibit.full_layers if layer.name not in own]
     carried = (part_layer(exhibit, name) for name in names)
     return (*(layer for layer in carried if layer is not None), *exhibit.part_layers)
+
+
+def _glb(exhibit: Exhibit) -> bytes:
+    """Both shapes painted with the first layer; neutral where the part does not show it."""
+    painted = exhibit.full_layers[0] if exhibit.full_layers else None
+    carried = part_layer(exhibit, painted.name) if painted is not None else None
+    return glb_scene(
+        (exhibit.full, exhibit.full_layers, painted),
+        (exhibit.part, _seen_on_part(exhibit), carried),
+    )
 
 
 def _arrays(exhibit: Exhibit) -> Arrays:

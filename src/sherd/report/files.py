@@ -6,9 +6,7 @@ Each function makes the content of one file; :func:`sherd.output.write_bytes`, `
 
 from __future__ import annotations
 
-import io
 import re
-import zipfile
 from collections.abc import Iterable, Mapping
 
 import numpy as np
@@ -23,7 +21,6 @@ from sherd.report.colors import layer_colors
 from sherd.report.exhibit import Layer, Partner
 
 __all__ = [
-    "arrays_npz",
     "corr_text",
     "layer_values",
     "painted_ply",
@@ -31,9 +28,6 @@ __all__ = [
     "table_csv",
     "vertex_map_text",
 ]
-
-# A zip entry without a date of its own: the earliest that the format can say.
-ZIP_DATE = (1980, 1, 1, 0, 0, 0)
 
 
 def property_name(name: str) -> str:
@@ -71,8 +65,9 @@ def painted_ply(
 ) -> bytes:
     """PLY with vertex colors and every layer as a vertex property.
 
-    MeshLab and Blender show the colors; the painted scalar is also stored as `quality`, by which
-    MeshLab maps colors and selects. Any PLY reader finds the other properties.
+    MeshLab and Blender show the colors. One scalar is also stored as `quality`, the only one that
+    MeshLab reads, maps to colors and selects by: the painted layer, or the first scalar when the
+    painted one is none. Any other PLY reader finds all properties.
 
     Parameters
     ----------
@@ -92,8 +87,10 @@ def painted_ply(
     chosen = painted or (layers[0] if layers else None)
     colors = layer_colors(chosen, mesh.vertex_count)
     values = layer_values(layers)
-    if chosen is not None and chosen.kind == "scalar":
-        values.setdefault("quality", chosen.values)
+    painted_first = [layer for layer in (chosen, *layers) if layer is not None]
+    scalar = next((layer for layer in painted_first if layer.kind == "scalar"), None)
+    if scalar is not None:
+        values.setdefault("quality", scalar.values)
     return encoded(mesh, ".ply", fields=values, colors=colors)
 
 
@@ -131,29 +128,6 @@ def table_csv(columns: Mapping[str, ArrayLike]) -> str:
     cells = [_cells(array) for array in arrays.values()]
     lines = [",".join(arrays), *(",".join(row) for row in zip(*cells, strict=True))]
     return "\n".join(lines) + "\n"
-
-
-def arrays_npz(arrays: Mapping[str, ArrayLike]) -> bytes:
-    """NPZ (compressed, no pickled objects) whose bytes depend on the arrays only.
-
-    Raises
-    ------
-    OptionError
-        If an array holds objects.
-    """
-    stream = io.BytesIO()
-    with zipfile.ZipFile(stream, "w") as archive:
-        for name, values in arrays.items():
-            array = np.asarray(values)
-            if array.dtype.hasobject:
-                raise OptionError(f"array {name!r} holds Python objects; only numbers are stored")
-            entry = io.BytesIO()
-            np.lib.format.write_array(entry, array, allow_pickle=False)
-            # numpy.savez would store the time of day here
-            info = zipfile.ZipInfo(f"{name}.npy", date_time=ZIP_DATE)
-            info.compress_type = zipfile.ZIP_DEFLATED
-            archive.writestr(info, entry.getvalue())
-    return stream.getvalue()
 
 
 def corr_text(partner: Partner) -> str:

@@ -18,7 +18,8 @@ import numpy as np
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.output import write_text
 from sherd.report.drawing.picture import picture, png_bytes, stage
-from sherd.report.exhibit import Exhibit
+from sherd.report.drawing.tradeoff import tradeoff_svg
+from sherd.report.exhibit import Exhibit, Verdict
 from sherd.report.payload import payload
 from sherd.report.thinning import LARGEST_SHOWN, thinned
 
@@ -57,11 +58,13 @@ def page(exhibit: Exhibit, *, largest: int = LARGEST_SHOWN) -> str:
     digest = base64.b64encode(hashlib.sha256(script.encode("utf-8")).digest()).decode("ascii")
     parts = {
         "title": html.escape(exhibit.title),
+        "verdict": _verdict(exhibit.verdict),
         "headline": html.escape(exhibit.summary[0] if exhibit.summary else ""),
         "full_caption": html.escape(_caption(exhibit.full)),
         "part_caption": html.escape(_caption(exhibit.part)),
         "picture": base64.b64encode(png_bytes(image)).decode("ascii"),
         "picture_words": html.escape(" ".join((exhibit.title, *exhibit.summary))),
+        "tradeoff": _tradeoff(exhibit),
         "summary": _summary(exhibit.summary),
         "notice": _card("Decimated view", light.notice, kind="notice wide") if light.notice else "",
         "command": _command(exhibit.command),
@@ -106,6 +109,32 @@ def _caption(mesh: TriangleMesh) -> str:
 
 def _card(title: str, text: str, *, kind: str) -> str:
     return f'<div class="card {kind}"><h2>{html.escape(title)}</h2><p>{html.escape(text)}</p></div>'
+
+
+def _verdict(verdict: Verdict | None) -> str:
+    if verdict is None:
+        return ""
+    kind = "trusted" if verdict.trusted else "doubted"
+    advice = f"<span>{html.escape(verdict.advice)}</span>" if verdict.advice else ""
+    return f'<p id="verdict" class="{kind}"><b>{html.escape(verdict.words)}</b>{advice}</p>'
+
+
+def _tradeoff(exhibit: Exhibit) -> str:
+    """The plot of confidence, and what its unit of error is in the numbers of the file."""
+    partner = exhibit.partner
+    plot = "" if partner is None else tradeoff_svg(np.asarray(partner.confidence), partner.known)
+    if not plot:
+        return ""
+    unit = float(np.sqrt(exhibit.full.area))
+    words = (
+        "How many vertices remain if only the surer answers are kept. Confidence is the chance "
+        f"that an answer is within 0.05 sqrt(area), here {0.05 * unit:.4g}, of the truth: "
+        f"1 sqrt(area) of the full shape is {unit:.4g} in the units of its file."
+    )
+    return (
+        '<div class="card wide tradeoff"><div><h2>What the confidence is worth</h2>'
+        f"<p>{html.escape(words)}</p></div>{plot}</div>"
+    )
 
 
 def _summary(sentences: tuple[str, ...]) -> str:

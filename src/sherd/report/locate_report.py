@@ -7,7 +7,7 @@ from dataclasses import asdict
 from typing import Any
 
 from sherd.files.encode import encoded
-from sherd.report.exhibit import Alternative, Exhibit, Layer
+from sherd.report.exhibit import Alternative, Exhibit, Layer, Verdict
 from sherd.report.files import painted_ply
 from sherd.report.frame import (
     Report,
@@ -20,6 +20,7 @@ from sherd.report.frame import (
     region_csv,
 )
 from sherd.report.known_layers import file_layers, known_layer, located_part_layers
+from sherd.report.stored.folder import REGION_FORMAT
 from sherd.results.locate_result import LocateResult
 from sherd.results.placement import Placement
 
@@ -40,7 +41,7 @@ def locate_report(result: LocateResult, *, command: str = "") -> Report:
 
 def _document(result: LocateResult, command: str) -> dict[str, Any]:
     return {
-        **common_facts(result, file_format="sherd region 1", command=command),
+        **common_facts(result, file_format=REGION_FORMAT, command=command),
         "status": result.convergence.name.lower().replace("_", "-"),
         "advice": result.convergence.advice,
         "area_fraction": result.area_fraction,
@@ -61,6 +62,9 @@ def _exhibit(result: LocateResult, document: Mapping[str, Any]) -> Exhibit:
         score=result.score,
         score_name="mean similarity of neighborhoods, 1 is best",
         alternatives=tuple(_alternative(other) for other in result.alternatives),
+        verdict=Verdict.from_advice(
+            result.convergence.advice, trusted=result.convergence.succeeded
+        ),
         summary=_sentences(result),
         facts=facts_of(
             document, ("status", "area_fraction", "score", "advice"), Energy=document["energy"]
@@ -103,6 +107,4 @@ def _sentences(result: LocateResult) -> tuple[str, ...]:
         *decimation_sentences(result),
         *alternative_sentences(result),
     ]
-    if not result.convergence.succeeded:
-        said.append(f"The solver {result.convergence.advice}.")
     return (*said, *notice_sentences(result))

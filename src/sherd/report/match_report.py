@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
 
 from sherd.arrays import Floats, Ints
 from sherd.mesh.surface_points import SurfacePoints
-from sherd.report.colors import correspondence_layer, part_layer
-from sherd.report.exhibit import Alternative, Exhibit, Layer, Partner
+from sherd.report.colors import correspondence_layer, full_layer, part_layer
+from sherd.report.exhibit import Alternative, Exhibit, Layer, Partner, Verdict
 from sherd.report.files import corr_text, painted_ply, table_csv
 from sherd.report.frame import (
     Report,
@@ -23,10 +24,12 @@ from sherd.report.frame import (
     region_csv,
 )
 from sherd.report.known_layers import error_layer, file_layers, known_layer
-from sherd.report.stored.stored_match import FORMAT, stored_alternatives
+from sherd.report.stored.folder import MATCH_FORMAT
+from sherd.report.stored.stored_match import stored_alternatives
 from sherd.results.distortion import edge_stretch, faces_preserved, mean_at_vertices
 from sherd.results.match_result import MatchResult
 from sherd.results.placement import Placement
+from sherd.results.status import Status
 
 __all__ = ["match_report"]
 
@@ -38,7 +41,7 @@ def match_report(result: MatchResult, *, command: str = "", errors: Floats | Non
     """All that is written of a match; `errors` (n_part,) where the truth is known."""
     document = _document(result, command, errors)
     exhibit = _exhibit(result, document, errors)
-    colors = exhibit.full_layers[0]
+    colors = full_layer(exhibit, exhibit.full_layers[0].name) or exhibit.full_layers[0]
     carried = part_layer(exhibit, colors.name) or colors
     files: dict[str, str | bytes] = {
         "correspondence.csv": _correspondence_csv(result),
@@ -74,13 +77,15 @@ def _document(result: MatchResult, command: str, errors: Floats | None) -> dict[
         "mirrored twin": result.twin_score,
     }
     document = {
-        **common_facts(result, file_format=FORMAT, command=command),
+        **common_facts(result, file_format=MATCH_FORMAT, command=command),
         "status": result.status.name.lower(),
-        "advice": result.status.advice,
+        "advice": result.advice,
         "scale": result.scale,
         "area_fraction": result.part.area * result.scale**2 / result.full.area,
         "unmatched": int((~result.matched).sum()),
         "mean_confidence": float(result.confidence.mean()),
+        "unfollowed_landmarks": [asdict(each) for each in result.unfollowed_landmarks],
+        "min_confidence": result.min_confidence,
         "scores": {name: score for name, score in scores.items() if score is not None},
         "alternatives": alternative_facts(result),
     }
@@ -107,6 +112,7 @@ def _exhibit(result: MatchResult, document: Mapping[str, Any], errors: Floats | 
         score=result.best.score,
         score_name="similarity of neighborhoods minus strain, 1 is best",
         alternatives=tuple(_alternative(result, other, errors) for other in result.alternatives),
+        verdict=Verdict.from_advice(result.advice, trusted=result.status is not Status.DOUBTFUL),
         summary=_sentences(result, document),
         facts=facts_of(
             document,
@@ -115,6 +121,8 @@ def _exhibit(result: MatchResult, document: Mapping[str, Any], errors: Floats | 
             Scores=document["scores"],
         ),
         command=str(document["command"]),
+        landmarks=result.options.landmarks,
+        ignored=tuple(result.options.ignore),
         region=result.best.mask,
     )
 
@@ -135,6 +143,7 @@ def _alternative(result: MatchResult, other: Placement, errors: Floats | None) -
             known_layer("membership", other.membership),
         ),
         partner=Partner(points),
+        region=other.mask,
         part_layers=(
             known_layer("confidence", unknown),
             Layer("matched", undecided, "category", description="Not decided for this placement."),
@@ -197,11 +206,18 @@ def _sentences(result: MatchResult, document: Mapping[str, Any]) -> tuple[str, .
         f"An answer is within 0.05 sqrt(area) of the truth with a chance of "
         f"{100 * document['mean_confidence']:.0f} % on average.",
     ]
-    if result.options.scale == "unknown":
-        said.append(f"The part was enlarged {result.scale:.3f} times to fit.")
+    if result.min_confidence > 0:
+        said.append(
+            f"Vertices with a confidence below {result.min_confidence:g} count as unmatched."
+        )
+    if result.scale != 1.0 or result.options.scale == "unknown":
+        said.append(f"The part was enlarged {result.scale:.4g} times to fit.")
     said += [*decimation_sentences(result), *alternative_sentences(result)]
-    said.append(f"The result is {result.status.advice}.")
     if "ground_truth" in document:
         mean = document["ground_truth"]["mean_error_x100"]
-        said.append(f"Mean error against the ground truth: {mean:.2f} % of sqrt(area).")
+        length = mean / 100 * np.sqrt(result.full.area)
+        said.append(
+            f"Mean error against the ground truth: {mean:.2f} % of sqrt(area), "
+            f"{length:.3g} in the units of the full shape's file."
+        )
     return (*said, *notice_sentences(result))

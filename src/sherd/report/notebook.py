@@ -36,9 +36,10 @@ class Shown:
         return f"Shown({len(self.document):,} characters; displayed by notebooks)"
 
     def _repr_html_(self) -> str:
-        # a frame of its own, without access to the notebook: scripts run, nothing else does
+        # a frame of its own, without access to the notebook: scripts run and files can be saved
         return (
-            f'<iframe srcdoc="{html.escape(self.document)}" sandbox="allow-scripts" '
+            f'<iframe srcdoc="{html.escape(self.document)}" '
+            'sandbox="allow-scripts allow-downloads" '
             f'style="width:100%;height:{self.height}px;border:0"></iframe>'
         )
 
@@ -57,6 +58,15 @@ def show(result: MatchResult | LocateResult | Exhibit, *, height: int = 900) -> 
         Of :func:`sherd.match` or :func:`sherd.locate`.
     height
         Of the frame, in pixels.
+
+    Examples
+    --------
+    >>> from sherd.locate import locate
+    >>> from sherd.shapes import creature, cut_by_ball, whole
+    >>> full = creature(5000)
+    >>> result = locate(full, cut_by_ball(whole(creature(5000, pose="walk"), full), 0, 0.5).mesh)
+    >>> show(result, height=600).height
+    600
     """
     return Shown(page(exhibit_of(result)), height)
 
@@ -75,11 +85,20 @@ def plot(
         ``"distortion"``, ``"orientation"``, ``"phase field"`` or ``"<name> (from the file)"`` for a
         vertex field of the input. The map of a match and the membership of a region when None.
     width
-        In pixels, at least 400.
+        In pixels, 400 to 10,000.
 
     Raises
     ------
     OptionError
-        If the result has no such layer or the width is too small.
+        If the result has no such layer or the width is out of range.
+
+    Examples
+    --------
+    >>> from sherd.locate import locate
+    >>> from sherd.shapes import creature, cut_by_ball, whole
+    >>> full = creature(5000)
+    >>> result = locate(full, cut_by_ball(whole(creature(5000, pose="walk"), full), 0, 0.5).mesh)
+    >>> plot(result, width=800).width
+    800
     """
     return picture(exhibit_of(result), layer=layer, width=width)

@@ -7,12 +7,13 @@ from __future__ import annotations
 
 import base64
 import zlib
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sherd.arrays import Floats, Ints
+from sherd.arrays import Bools, Floats, Ints
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.report.colors import (
     CATEGORY_COLORS,
@@ -97,8 +98,9 @@ def quantized(values: Floats, low: float, high: float) -> Ints:
 def payload(thinned: Thinned, staging: Staging) -> tuple[dict[str, Any], str]:
     """Everything the page draws: a description for JSON, and the packed arrays as base64."""
     exhibit, block = thinned.exhibit, Block()
-    full = _shape(block, exhibit.full, thinned.full_numbers, np.eye(3))
-    part = _shape(block, exhibit.part, thinned.part_numbers, staging.part_rotation)
+    full = _shape(block, exhibit.full, (thinned.full_numbers, thinned.full_owners), np.eye(3))
+    part_counting = thinned.part_numbers, thinned.part_owners
+    part = _shape(block, exhibit.part, part_counting, staging.part_rotation)
     best: dict[str, Any] = {
         "name": "Best placement",
         "description": "",
@@ -106,6 +108,7 @@ def payload(thinned: Thinned, staging: Staging) -> tuple[dict[str, Any], str]:
         "layers": [],
         "partLayers": [],
         "partner": _partner(block, exhibit, exhibit.partner),
+        "region": _region(block, exhibit.region),
     }
     others = [
         {
@@ -115,6 +118,7 @@ def payload(thinned: Thinned, staging: Staging) -> tuple[dict[str, Any], str]:
             "layers": [_layer(block, layer) for layer in place.full_layers],
             "partLayers": [_layer(block, layer) for layer in place.part_layers],
             "partner": _partner(block, exhibit, place.partner),
+            "region": _region(block, place.region),
         }
         for place in exhibit.alternatives
     ]
@@ -128,6 +132,10 @@ def payload(thinned: Thinned, staging: Staging) -> tuple[dict[str, Any], str]:
         "placements": [best, *others],
         "scoreName": exhibit.score_name,
         "anchors": np.asarray(exhibit.anchors).tolist(),
+        "verdict": None if exhibit.verdict is None else asdict(exhibit.verdict),
+        "command": exhibit.command,
+        "landmarks": [[int(part), int(full)] for part, full in exhibit.landmarks],
+        "ignored": [int(vertex) for vertex in exhibit.ignored],
         "colors": {
             "neutral": NEUTRAL,
             "unknown": UNKNOWN,
@@ -144,9 +152,10 @@ def payload(thinned: Thinned, staging: Staging) -> tuple[dict[str, Any], str]:
 def _shape(
     block: Block,
     mesh: TriangleMesh,
-    numbers: Ints | None,
+    counting: tuple[Ints | None, Ints | None],
     rotation: Floats,
 ) -> dict[str, Any]:
+    numbers, owners = counting
     low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
     extent = float((high - low).max()) or 1.0
     columns = [
@@ -162,6 +171,7 @@ def _shape(
         "positions": columns,
         "faces": block.add(mesh.faces, 4),
         "numbers": None if numbers is None else block.add(numbers, 4),
+        "owners": None if owners is None else block.add(owners, 4),
         "orientation": orientation(mesh),
         "rotation": rotation.ravel().tolist(),
     }
@@ -207,6 +217,10 @@ def _partner(block: Block, exhibit: Exhibit, partner: Partner | None) -> dict[st
         "confidence": block.add(quantized(np.asarray(partner.confidence), 0.0, 1.0), 2),
         "reach": reach,
     }
+
+
+def _region(block: Block, region: Bools | None) -> dict[str, Any] | None:
+    return None if region is None else block.add(region, 1, delta=False)
 
 
 def _maps(exhibit: Exhibit) -> set[str]:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial import cKDTree
 
-from sherd.arrays import Ints
+from sherd.arrays import Bools, Ints
 from sherd.errors import OptionError
 from sherd.mesh.surface_points import closest_points
 from sherd.mesh.triangle_mesh import TriangleMesh
@@ -30,6 +30,8 @@ class Thinned:
         The exhibit itself, or one on decimated meshes.
     full_numbers, part_numbers
         For decimated meshes, the original vertex whose values each shown vertex has; else None.
+    full_owners, part_owners
+        For decimated meshes, the shown vertex nearest to each original vertex; else None.
     notice
         A sentence for the reader; empty if nothing was changed.
     """
@@ -37,6 +39,8 @@ class Thinned:
     exhibit: Exhibit
     full_numbers: Ints | None = None
     part_numbers: Ints | None = None
+    full_owners: Ints | None = None
+    part_owners: Ints | None = None
     notice: str = ""
 
 
@@ -53,13 +57,12 @@ def thinned(exhibit: Exhibit, *, largest: int = LARGEST_SHOWN) -> Thinned:
     def partner_of(partner: Partner | None) -> Partner | None:
         return _moved(partner, exhibit.full, full, full_numbers, part_numbers)
 
-    anchors = np.asarray(exhibit.anchors)
-    if len(anchors):
-        columns = [
-            _shown(anchors[:, 0], exhibit.part, part, part_numbers),
-            _shown(anchors[:, 1], exhibit.full, full, full_numbers),
-        ]
-        anchors = np.stack(columns, axis=1)
+    full_owners = _owners(exhibit.full, full, full_numbers)
+    part_owners = _owners(exhibit.part, part, part_numbers)
+    anchors = np.array(exhibit.anchors)
+    for column, owners in enumerate((part_owners, full_owners)):
+        if owners is not None:
+            anchors[:, column] = owners[anchors[:, column]]
     light = replace(
         exhibit,
         full=full,
@@ -74,12 +77,11 @@ def thinned(exhibit: Exhibit, *, largest: int = LARGEST_SHOWN) -> Thinned:
                 full_layers=_picked(place.full_layers, full_numbers),
                 part_layers=_picked(place.part_layers, part_numbers),
                 partner=partner_of(place.partner),
+                region=_picked_mask(place.region, full_numbers),
             )
             for place in exhibit.alternatives
         ),
-        region=np.asarray(exhibit.region)
-        if full_numbers is None
-        else np.asarray(exhibit.region)[full_numbers],
+        region=_picked_mask(exhibit.region, full_numbers),
     )
     counts = [
         f"{mesh.vertex_count:,} of the {before.vertex_count:,} vertices of {before.name}"
@@ -91,7 +93,7 @@ def thinned(exhibit: Exhibit, *, largest: int = LARGEST_SHOWN) -> Thinned:
         "Each shown vertex has the number and the values of the original vertex nearest to it; "
         "the other files hold every vertex."
     )
-    return Thinned(light, full_numbers, part_numbers, notice)
+    return Thinned(light, full_numbers, part_numbers, full_owners, part_owners, notice)
 
 
 def _light(mesh: TriangleMesh, largest: int) -> tuple[TriangleMesh, Ints | None]:
@@ -112,10 +114,14 @@ def _picked(layers: tuple[Layer, ...], numbers: Ints | None) -> tuple[Layer, ...
     )
 
 
-def _shown(vertices: Ints, before: TriangleMesh, after: TriangleMesh, numbers: Ints | None) -> Ints:
+def _picked_mask(mask: Bools | None, numbers: Ints | None) -> Bools | None:
+    return mask if mask is None or numbers is None else np.asarray(mask)[numbers]
+
+
+def _owners(before: TriangleMesh, after: TriangleMesh, numbers: Ints | None) -> Ints | None:
     if numbers is None:
-        return vertices
-    _, nearest = cKDTree(after.vertices).query(before.vertices[vertices])
+        return None
+    _, nearest = cKDTree(after.vertices).query(before.vertices)
     return np.asarray(nearest, dtype=np.int64)
 
 

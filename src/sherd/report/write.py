@@ -7,7 +7,6 @@ from typing import Any
 
 from sherd.arrays import Floats
 from sherd.errors import InputError
-from sherd.output import ResultFolder
 from sherd.report.drawing.picture import picture, png_bytes
 from sherd.report.exports import exported
 from sherd.report.frame import Report
@@ -15,6 +14,7 @@ from sherd.report.html import page
 from sherd.report.locate_report import locate_report
 from sherd.report.match_report import match_report
 from sherd.report.stored.folder import plain
+from sherd.result_folder import ResultFolder, ResultKind, replaceable_files
 from sherd.results.locate_result import LocateResult
 from sherd.results.match_result import MatchResult
 
@@ -28,6 +28,7 @@ def write_report(
     command: str = "",
     errors: Floats | None = None,
     exports: tuple[str, ...] = (),
+    overwrite: bool = False,
 ) -> dict[str, Any]:
     """Write all files of a result: tables, colored meshes, a picture, a page; see docs/files.md.
 
@@ -36,7 +37,8 @@ def write_report(
     result
         Of :func:`sherd.match` or :func:`sherd.locate`.
     folder
-        Made when missing; files of the same names are replaced.
+        Made when missing. An older result of the same command for shapes of the same names is
+        replaced, and those of its files that the new result does not have are removed.
     command
         What to type to get the same again, shown in the report.
     errors
@@ -45,6 +47,9 @@ def write_report(
     exports
         Further files, of :data:`sherd.report.exports.SHAPE_EXPORTS` and, for a match,
         ``MAP_EXPORTS``.
+    overwrite
+        Whether a result of another kind, or others' files of the same names, may be replaced too.
+        Only files that the older ``result.json`` names are removed.
 
     Returns
     -------
@@ -58,7 +63,8 @@ def write_report(
     InputError
         If `result` is none, or errors are given for a region.
     OutputError
-        If something cannot be written; what stood in the folder before is untouched.
+        If something cannot be written or must not be replaced; what stood in the folder before is
+        untouched.
 
     Examples
     --------
@@ -72,14 +78,17 @@ def write_report(
     ['part.ply', 'region.csv', 'region.ply', 'region.png', 'report.html']
     """
     report = report_of(result, command=command, errors=errors)
-    with ResultFolder(folder) as output:
+    document = plain(dict(report.document))
+    kind = ResultKind(document["format"], document["full"]["name"], document["part"]["name"])
+    replaced = replaceable_files(folder, kind, overwrite=overwrite)
+    with ResultFolder(folder, replaced=replaced) as output:
         for name, content in report.files.items():
             output.add(name, content)
         output.add(report.picture_name, png_bytes(picture(report.exhibit)))
         output.add("report.html", page(report.exhibit))
         for name, content in exported(report.exhibit, exports).items():
             output.add(name, content)
-        return output.finish(plain(dict(report.document)))
+        return output.finish(document)
 
 
 def report_of(

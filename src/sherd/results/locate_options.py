@@ -2,14 +2,23 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
-from typing import Literal, TypeAlias, get_args
+from typing import Literal, TypeAlias, TypedDict, get_args
 
 from sherd.errors import OptionError
+from sherd.limits import require_finite, require_seed, require_whole
+from sherd.results.display import differences
 from sherd.scan.either_side import SIDES, Side
 
-__all__ = ["DESCRIPTORS", "METHODS", "SOLVERS", "DescriptorName", "LocateOptions", "Method"]
+__all__ = [
+    "DESCRIPTORS",
+    "METHODS",
+    "SOLVERS",
+    "DescriptorName",
+    "LocateKeywords",
+    "LocateOptions",
+    "Method",
+]
 
 Method: TypeAlias = Literal["voting", "logistic", "exponential", "subspace", "full"]
 Solver: TypeAlias = Literal["active-set", "augmented-lagrangian", "quadratic-program"]
@@ -27,8 +36,26 @@ _SPEAKS_TO: dict[str, tuple[tuple[Method, ...], str | int]] = {
     "iterations": (("subspace", "full"), 5),
 }
 
+# The least and the most of each number, and why not more.
+_LIMITS: dict[str, tuple[int, int, str]] = {
+    "basis_size": (
+        2,
+        1000,
+        "higher eigenvectors wave within a few edges of the mesh that is searched, and the time "
+        "grows with the square of their number",
+    ),
+    "iterations": (1, 1000, "the alternation settles within tens"),
+    "vocabulary_size": (
+        2,
+        2000,
+        "more words than a few per hundred vertices each stand for one neighborhood only",
+    ),
+}
+# Energies are dimensionless and of order 1, so that double precision loses what is 1e-12 of them.
+LARGEST_WEIGHT = 1e12
 
-@dataclass(frozen=True, kw_only=True)
+
+@dataclass(frozen=True, kw_only=True, repr=False)
 class LocateOptions:
     """Parameters of :func:`sherd.locate`; the defaults need no tuning.
 
@@ -87,18 +114,19 @@ class LocateOptions:
     side: Side = "either"
     seed: int = 0
 
+    def __repr__(self) -> str:
+        return differences(self)
+
     def __post_init__(self) -> None:
         self._check_names()
-        for name, least in (("basis_size", 2), ("iterations", 1), ("vocabulary_size", 2)):
-            value = getattr(self, name)
-            if value is not None and not _is_whole(value, least):
-                raise OptionError(f"{name} is {value!r}, but a whole number >= {least} is needed")
-        if not _is_whole(self.seed, 0):
-            raise OptionError(f"seed is {self.seed!r}, but a whole number >= 0 is needed")
+        for name, (least, most, reason) in _LIMITS.items():
+            if getattr(self, name) is not None:
+                require_whole(name, getattr(self, name), least, most, reason)
+        require_seed(self.seed)
         for name in ("regularity", "smoothness", "boundary", "phase_width"):
             weight = getattr(self, name)
-            if weight is not None and not (math.isfinite(weight) and weight >= 0):
-                raise OptionError(f"{name} is {weight}, but a finite number >= 0 is needed")
+            if weight is not None:
+                require_finite(name, weight, 0, LARGEST_WEIGHT, "the other terms vanish beside it")
         for name, (methods, default) in _SPEAKS_TO.items():
             if self.method in methods:
                 if getattr(self, name) is None:
@@ -122,5 +150,18 @@ class LocateOptions:
                 raise OptionError(f"{name} is {getattr(self, name)!r}, but must be one of {known}")
 
 
-def _is_whole(value: object, least: int) -> bool:
-    return isinstance(value, int) and not isinstance(value, bool) and value >= least
+class LocateKeywords(TypedDict, total=False):
+    """The fields of :class:`LocateOptions` as keywords of :func:`sherd.locate`."""
+
+    method: Method
+    descriptor: DescriptorName | None
+    solver: Solver | None
+    basis_size: int
+    regularity: float | None
+    smoothness: float | None
+    boundary: float | None
+    phase_width: float | None
+    iterations: int | None
+    vocabulary_size: int | None
+    side: Side
+    seed: int

@@ -8,12 +8,13 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from sherd._version import __version__
-from sherd.arrays import Bools, Floats
+from sherd.arrays import Bools, Floats, FrozenState
 from sherd.energy.cleanup import pieces
 from sherd.energy.convergence import Convergence
 from sherd.energy.mumford_shah import EnergyTerms
 from sherd.mesh import topology
 from sherd.mesh.triangle_mesh import TriangleMesh
+from sherd.results.display import table_html
 from sherd.results.locate_options import LocateOptions
 from sherd.results.placement import Placement
 
@@ -59,7 +60,7 @@ class LocateCheck:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class LocateResult:
+class LocateResult(FrozenState):
     """The answer of :func:`sherd.locate`; arrays are numbered as the full shape's vertices are.
 
     Attributes
@@ -116,6 +117,18 @@ class LocateResult:
             f"LocateResult({self.part.name!r} on {self.full.name!r}: score {self.score:.3f}, "
             f"{self.area_fraction:.0%} of the area)"
         )
+
+    def _repr_html_(self) -> str:
+        membership = self.membership[self.mask]
+        rows = {
+            "status": self.convergence.advice,
+            "coverage": f"{self.area_fraction:.1%} of the full shape",
+            "mean membership of the region": f"{membership.mean() if len(membership) else 0:.2f}",
+            "score": f"{self.score:.3f}",
+            "alternatives": ", ".join(repr(other) for other in self.alternatives) or "none",
+            "to see it": "sherd.show(result), sherd.plot(result)",
+        }
+        return table_html(f"{self.part.name} on {self.full.name}", rows)
 
     @property
     def mask(self) -> Bools:

@@ -2,19 +2,28 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Literal, TypeAlias
+from typing import Literal, TypeAlias, TypedDict
+
+import numpy as np
+from numpy.typing import NDArray
 
 from sherd.errors import OptionError
+from sherd.limits import require_seed
+from sherd.mesh.units import UNITS, Unit, unit_factor
+from sherd.results.display import differences
+from sherd.results.vertex_lists import named_vertices, vertex_pairs
 from sherd.scan.either_side import SIDES, Side
 
-__all__ = ["SCALES", "MatchOptions", "Scale"]
+__all__ = ["SCALES", "MatchKeywords", "MatchOptions", "Scale"]
 
 Scale: TypeAlias = Literal["same", "unknown"]
 SCALES: tuple[Scale, ...] = ("same", "unknown")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class MatchOptions:
     """Options of :func:`sherd.match`; the defaults need no tuning.
 
@@ -22,16 +31,20 @@ class MatchOptions:
     ----------
     scale
         ``"same"``: both shapes have the same unit; ``"unknown"``: the part's scale is estimated
-        within [1/2, 2] of the full shape's.
+        within [1/2, 2] of the full shape's; a number: lengths of the part are multiplied by it.
     landmarks
         Pairs (vertex of the part, vertex of the full shape) that belong together.
     ignore
-        Vertices of the part to leave out: clothing, support, clutter.
+        Vertices of the part to leave out: clothing, support, clutter; by number, or as a mask with
+        one bool for each vertex of the part. Stored as numbers in ascending order.
     side
         ``"either"``: where the part's faces may look inward, or the answer is doubtful and the part
         open, the other side is tried too; ``"given"``: the order of corners is believed.
     seed
         Seed of every random choice.
+    part_unit, full_unit
+        Units of the two shapes, ``"mm"``, ``"cm"``, ``"m"``, ``"in"`` or ``"ft"``: both or none.
+        With ``scale="unknown"`` the scale is estimated after the part is converted.
 
     Raises
     ------
@@ -44,27 +57,74 @@ class MatchOptions:
     (3, 5)
     """
 
-    scale: Scale = "same"
+    scale: Scale | float = "same"
     landmarks: tuple[tuple[int, int], ...] = ()
     ignore: tuple[int, ...] = ()
     side: Side = "either"
     seed: int = 0
+    part_unit: Unit | None = None
+    full_unit: Unit | None = None
+
+    def __repr__(self) -> str:
+        return differences(self)
 
     def __post_init__(self) -> None:
-        if self.scale not in SCALES:
-            raise OptionError(f'scale is {self.scale!r}, but "same" or "unknown" is needed')
+        self._check_scale()
         if self.side not in SIDES:
             raise OptionError(f'side is {self.side!r}, but "either" or "given" is needed')
-        landmarks = tuple((int(part), int(full)) for part, full in self.landmarks)
+        landmarks = vertex_pairs(self.landmarks, "landmarks")
         if len({part for part, _ in landmarks}) < len(landmarks):
             raise OptionError("landmarks name a vertex of the part twice")
-        ignore = tuple(sorted({int(vertex) for vertex in self.ignore}))
-        if min([vertex for pair in landmarks for vertex in pair] + list(ignore), default=0) < 0:
-            raise OptionError("landmarks and ignore count vertices from 0")
+        ignore = named_vertices(self.ignore, "ignore")
         clash = {part for part, _ in landmarks} & set(ignore)
         if clash:
             raise OptionError(f"vertex {min(clash)} of the part is a landmark and ignored")
-        if self.seed < 0:
-            raise OptionError(f"seed is {self.seed}, but it must not be negative")
+        require_seed(self.seed)
         object.__setattr__(self, "landmarks", landmarks)
         object.__setattr__(self, "ignore", ignore)
+        object.__setattr__(self, "seed", int(self.seed))
+
+    def _check_scale(self) -> None:
+        for name in ("part_unit", "full_unit"):
+            unit = getattr(self, name)
+            if unit is not None and unit not in UNITS:
+                raise OptionError(f"{name} is {unit!r}, but must be one of {', '.join(UNITS)}")
+        if (self.part_unit is None) != (self.full_unit is None):
+            raise OptionError("part_unit and full_unit belong together; give both or none")
+        if self.scale in SCALES:
+            return
+        if not _is_positive(self.scale):
+            raise OptionError(
+                f'scale is {self.scale!r}, but "same", "unknown" or a positive number is needed'
+            )
+        if self.part_unit is not None:
+            raise OptionError("scale is a number and units are given as well; give one of them")
+        object.__setattr__(self, "scale", float(self.scale))
+
+    @property
+    def factor(self) -> float:
+        """What lengths of the part are multiplied by, as far as it is known: 1 if nothing is."""
+        if self.part_unit is not None and self.full_unit is not None:
+            return unit_factor(self.part_unit, self.full_unit)
+        return self.scale if isinstance(self.scale, float) else 1.0
+
+
+class MatchKeywords(TypedDict, total=False):
+    """The fields of :class:`MatchOptions` as keywords of :func:`sherd.match`."""
+
+    scale: Scale | float
+    landmarks: Iterable[Iterable[int]] | NDArray[np.integer]
+    ignore: Iterable[int] | NDArray[np.integer] | NDArray[np.bool_]
+    side: Side
+    seed: int
+    part_unit: Unit | None
+    full_unit: Unit | None
+
+
+def _is_positive(value: object) -> bool:
+    number = isinstance(value, int | float | np.number) and not isinstance(value, bool)
+    return number and math.isfinite(float(value)) and float(value) > 0  # type: ignore[arg-type]
+
+
+def _is_whole(value: object) -> bool:
+    return isinstance(value, int | np.integer) and not isinstance(value, bool)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -12,11 +12,14 @@ from numpy.typing import ArrayLike
 from scipy import sparse
 
 from sherd._version import __version__
-from sherd.arrays import Bools, Floats, Ints
+from sherd.arrays import Bools, Floats, FrozenState, Ints
 from sherd.errors import InvalidMeshError
+from sherd.limits import require_finite
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.results import transfer
+from sherd.results.advice import UnfollowedLandmark
+from sherd.results.display import table_html
 from sherd.results.distortion import edge_stretch, faces_preserved
 from sherd.results.match_options import MatchOptions
 from sherd.results.placement import Placement
@@ -68,7 +71,7 @@ class MatchCheck:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class MatchResult:
+class MatchResult(FrozenState):
     """The answer of :func:`sherd.match`; all arrays are numbered as the user's shapes are.
 
     Attributes
@@ -82,7 +85,7 @@ class MatchResult:
     alternatives
         Other plausible placements, best first.
     scale
-        Factor that the part was enlarged by: 1 for ``scale="same"``.
+        Factor that the part was enlarged by: 1 for ``scale="same"`` without units.
     second_score, twin_score
         Score of the placement that was found the other time, and of the mirrored twin, which need
         not be plausible; None if unknown.
@@ -97,6 +100,12 @@ class MatchResult:
         shapes are searched on a mesh of moderate size; the answers are for the shapes themselves.
     notices
         What was adapted in the shapes, in sentences, by "full" and "part".
+    advice
+        What to do about the status, with the names of what is wrong; the status's own if empty.
+    unfollowed_landmarks
+        Landmarks that the answer does not follow or that contradict each other, farthest first.
+    min_confidence
+        Vertices below it were made unmatched afterwards, by :meth:`with_min_confidence`.
 
     Examples
     --------
@@ -121,8 +130,13 @@ class MatchResult:
     version: str = field(default=__version__)
     working_vertices: Mapping[str, int] = field(default_factory=dict)
     notices: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    advice: str = ""
+    unfollowed_landmarks: tuple[UnfollowedLandmark, ...] = ()
+    min_confidence: float = 0.0
 
     def __post_init__(self) -> None:
+        if not self.advice:
+            object.__setattr__(self, "advice", self.status.advice)
         for placement in (self.best, *self.alternatives):
             count = -1 if placement.points is None else len(placement.points)
             if count != self.part.vertex_count:
@@ -138,6 +152,20 @@ class MatchResult:
             f"MatchResult({self.part.name!r} on {self.full.name!r}: {self.status.name.lower()}, "
             f"{self.matched.mean():.0%} matched, mean confidence {self.confidence.mean():.2f})"
         )
+
+    def _repr_html_(self) -> str:
+        covered = self.part.area * self.scale**2 / self.full.area
+        rows = {
+            "status": self.advice,
+            "coverage": f"{covered:.1%} of the full shape",
+            "matched": f"{int(self.matched.sum()):,} of {self.part.vertex_count:,} vertices",
+            "mean confidence": f"{self.confidence.mean():.2f}",
+            "score": f"{self.best.score:.3f}",
+            "scale": f"{self.scale:.4g}",
+            "alternatives": ", ".join(repr(other) for other in self.alternatives) or "none",
+            "to see it": "sherd.show(result), sherd.plot(result)",
+        }
+        return table_html(f"{self.part.name} on {self.full.name}", rows)
 
     @property
     def points(self) -> SurfacePoints:
@@ -168,6 +196,25 @@ class MatchResult:
     def nearest_vertices(self) -> Ints:
         """(n_part,) the vertex of the full shape nearest to each answer."""
         return self.points.nearest_vertices(self.full)
+
+    def with_min_confidence(self, least: float) -> MatchResult:
+        """The same, but vertices with a confidence below `least` are unmatched.
+
+        Nothing else changes: their points and confidence stay, and so does the region. Once
+        unmatched they stay so.
+
+        Raises
+        ------
+        OptionError
+            If `least` is not within 0 and 1.
+        """
+        require_finite("min_confidence", least, 0, 1, "it is a chance")
+        sure = self.matched & (self.confidence >= least)
+        return replace(
+            self,
+            best=replace(self.best, matched=sure),
+            min_confidence=max(self.min_confidence, float(least)),
+        )
 
     def matrix(self) -> sparse.csr_array:
         """(n_part, n_full) weights that carry values of the full shape to the part.
@@ -220,12 +267,12 @@ class MatchResult:
         """Values (n_part,) or (n_part, c) at the full shape's vertices; NaN outside."""
         return transfer.field_to_full(self, values)
 
-    def labels_to_part(self, labels: ArrayLike) -> Ints:
-        """Whole-number labels (n_full,) at the part's vertices; -1 if unmatched."""
+    def labels_to_part(self, labels: ArrayLike) -> transfer.Labels:
+        """Labels (n_full,), whole numbers or text, at the part; unmatched: -1 or ""."""
         return transfer.labels_to_part(self, labels)
 
-    def labels_to_full(self, labels: ArrayLike) -> Ints:
-        """Whole-number labels (n_part,) at the full shape's vertices; -1 outside."""
+    def labels_to_full(self, labels: ArrayLike) -> transfer.Labels:
+        """Labels (n_part,), whole numbers or text, at the full shape; outside: -1 or ""."""
         return transfer.labels_to_full(self, labels)
 
     def landmarks_to_part(self, vertices: ArrayLike) -> tuple[SurfacePoints, Floats]:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sherd.arrays import Bools, Floats, frozen
+from sherd.arrays import Bools, Floats, FrozenState, frozen
 from sherd.errors import InvalidMeshError
 from sherd.mesh.surface_points import SurfacePoints
 
@@ -14,7 +14,7 @@ __all__ = ["Placement"]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Placement:
+class Placement(FrozenState):
     """One place of the part on the full shape; what was not asked or is not known is None.
 
     Attributes

@@ -6,7 +6,7 @@ labels is no label: the corner with the largest weight decides. What has no part
 
 from __future__ import annotations
 
-from typing import Protocol
+from typing import Protocol, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,6 +17,7 @@ from sherd.mesh.surface_points import SurfacePoints, closest_points
 from sherd.mesh.triangle_mesh import TriangleMesh
 
 __all__ = [
+    "Labels",
     "Matched",
     "field_to_full",
     "field_to_part",
@@ -32,6 +33,11 @@ __all__ = [
 # mean edges of it: the image of a part meshed as densely leaves no wider gaps inside the region.
 REACH_IN_EDGES = 1.0
 UNKNOWN_LABEL = -1
+# A corner of a triangle with less than this share of a point does not make it unknown.
+LEAST_WEIGHT = 1e-9
+
+# (n,) whole numbers, of which -1 is unknown, or text, of which "" is.
+Labels: TypeAlias = NDArray[np.int64] | NDArray[np.str_]
 
 
 class Matched(Protocol):
@@ -67,32 +73,32 @@ def field_to_part(result: Matched, values: ArrayLike) -> Floats:
         If there is not one value per vertex of the full shape.
     """
     array = _checked(values, result.full, "full shape").astype(np.float64)
-    carried = result.points.interpolate(result.full, array)
+    carried = _interpolated(result.points, result.full, array)
     carried[~result.matched] = np.nan
     return carried
 
 
-def labels_to_part(result: Matched, labels: ArrayLike) -> Ints:
-    """Whole-number labels (n_full,) at the part's vertices; -1 if unmatched."""
+def labels_to_part(result: Matched, labels: ArrayLike) -> Labels:
+    """Labels (n_full,), whole numbers or text, at the part's vertices; -1 or "" if unmatched."""
     array = _checked_labels(labels, result.full, "full shape")
     carried = array[result.points.nearest_vertices(result.full)]
-    return np.where(result.matched, carried, UNKNOWN_LABEL)
+    return np.where(result.matched, carried, _unknown(array))
 
 
 def field_to_full(result: Matched, values: ArrayLike) -> Floats:
     """Values (n_part,) or (n_part, c) of the part at the full shape's vertices; NaN outside."""
     array = _checked(values, result.part, "part").astype(np.float64)
     points, found = nearest_part_points(result)
-    carried = points.interpolate(result.part, array)
+    carried = _interpolated(points, result.part, array)
     carried[~found] = np.nan
     return carried
 
 
-def labels_to_full(result: Matched, labels: ArrayLike) -> Ints:
-    """Whole-number labels (n_part,) at the full shape's vertices; -1 outside the part's place."""
+def labels_to_full(result: Matched, labels: ArrayLike) -> Labels:
+    """Labels (n_part,), whole numbers or text, at the full shape's vertices; -1 or "" outside."""
     array = _checked_labels(labels, result.part, "part")
     points, found = nearest_part_points(result)
-    return np.where(found, array[points.nearest_vertices(result.part)], UNKNOWN_LABEL)
+    return np.where(found, array[points.nearest_vertices(result.part)], _unknown(array))
 
 
 def landmarks_to_full(result: Matched, vertices: ArrayLike) -> SurfacePoints:
@@ -166,11 +172,29 @@ def _checked(values: ArrayLike, mesh: TriangleMesh, shape: str) -> NDArray[np.ge
     return array
 
 
-def _checked_labels(labels: ArrayLike, mesh: TriangleMesh, shape: str) -> Ints:
+def _interpolated(points: SurfacePoints, mesh: TriangleMesh, values: Floats) -> Floats:
+    """Values (n,) or (n, c) at points; NaN where a corner that counts is NaN."""
+    known = np.isfinite(values)
+    carried = points.interpolate(mesh, np.where(known, values, 0.0))
+    if not known.all():
+        share = points.interpolate(mesh, known.astype(np.float64))
+        carried[share < 1 - LEAST_WEIGHT] = np.nan
+    return carried
+
+
+def _unknown(labels: Labels) -> int | str:
+    return "" if labels.dtype.kind == "U" else UNKNOWN_LABEL
+
+
+def _checked_labels(labels: ArrayLike, mesh: TriangleMesh, shape: str) -> Labels:
     array = _checked(labels, mesh, shape)
+    if array.dtype.kind == "U" and array.ndim == 1:
+        return array.astype(np.str_)
+    if array.dtype.kind not in "biuf":
+        raise InvalidMeshError("labels must be whole numbers or text, one per vertex")
     whole = array.astype(np.int64)
     if array.ndim != 1 or not np.array_equal(whole, array):
-        raise InvalidMeshError("labels must be whole numbers, one per vertex")
+        raise InvalidMeshError("labels must be whole numbers or text, one per vertex")
     return whole
 
 

@@ -10,11 +10,11 @@ from __future__ import annotations
 from heapq import heappop, heappush
 from typing import NamedTuple
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
 from sherd.arrays import Bools, Floats, Ints
+from sherd.compiled import compiled
 
 __all__ = ["Triangles", "grown"]
 
@@ -91,7 +91,7 @@ class Front(NamedTuple):
     rung: Ints
 
 
-@numba.njit(cache=True)
+@compiled()
 def grown(cloud):
     """Which of the :class:`Triangles` make the surface: `turn` (m,) of :class:`Front`."""
     points, corners, sides, size = cloud.points, cloud.corners, cloud.sides, cloud.size
@@ -127,7 +127,7 @@ def grown(cloud):
         _wait(triangle, heap, waiting, cloud, surface)
 
 
-@numba.njit(cache=True)
+@compiled()
 def _wait(taken, heap, waiting, cloud, surface):
     """Put the border edges around a new triangle on the heap, with what is best for each."""
     corners, sides = cloud.corners, cloud.sides
@@ -142,7 +142,7 @@ def _wait(taken, heap, waiting, cloud, surface):
                         heappush(heap, (key, edge, best))
 
 
-@numba.njit(cache=True)
+@compiled()
 def _is_seed(triangle, cloud, surface):
     """Whether a triangle is far from the surface so far, and may start another piece."""
     fans, corners, large = surface.fans, cloud.corners, cloud.large
@@ -150,14 +150,14 @@ def _is_seed(triangle, cloud, surface):
     return not large[triangle] and fans[a] == 0 and fans[b] == 0 and fans[c] == 0
 
 
-@numba.njit(cache=True)
+@compiled()
 def _slot(side, way):
     """Which owner of its side 0, 1, 2 a triangle is: side 2 runs from corner 2 to corner 0."""
     natural = 0 if side < 2 else 1
     return natural if way > 0 else 1 - natural
 
 
-@numba.njit(cache=True)
+@compiled()
 def _way(sides, triangle, edge, owner):
     """1 or -1: how the triangle has to turn to continue the surface over a border edge."""
     side = 0
@@ -167,7 +167,7 @@ def _way(sides, triangle, edge, owner):
     return 1 if _slot(side, 1) == missing else -1
 
 
-@numba.njit(cache=True)
+@compiled()
 def _next(edge, cloud, surface):
     """Key and number of the triangle that best continues the surface over an edge; -1 if none."""
     _, _, sides, first, along, normals, size, large = cloud
@@ -192,7 +192,7 @@ def _next(edge, cloud, surface):
     return key, best
 
 
-@numba.njit(cache=True)
+@compiled()
 def _fits(triangle, way, cloud, surface):
     """Whether the surface stays a manifold, up to points where two fans touch for a while."""
     points, corners, sides, _, _, normals, _, _ = cloud
@@ -220,7 +220,7 @@ def _fits(triangle, way, cloud, surface):
     return True
 
 
-@numba.njit(cache=True)
+@compiled()
 def _meets(triangle, way, corner, normals, surface):
     """Whether a triangle continues the surface that is already at a corner."""
     turn, ring, rung = surface.turn, surface.ring, surface.rung
@@ -234,7 +234,7 @@ def _meets(triangle, way, corner, normals, surface):
     return along >= COS_MEET * np.sqrt(max(square, 0.0))
 
 
-@numba.njit(cache=True)
+@compiled()
 def _take(triangle, way, cloud, surface):
     """Add a triangle to the surface."""
     corners, sides = cloud.corners, cloud.sides
@@ -257,17 +257,17 @@ def _take(triangle, way, cloud, surface):
     turn[triangle] = way
 
 
-@numba.njit(cache=True)
+@compiled()
 def _is_used(owner, edge):
     return owner[edge, 0] >= 0 or owner[edge, 1] >= 0
 
 
-@numba.njit(cache=True)
+@compiled()
 def _is_border(owner, edge):
     return (owner[edge, 0] >= 0) != (owner[edge, 1] >= 0)
 
 
-@numba.njit(cache=True)
+@compiled()
 def _sides_at(sides, triangle, place):
     """The two sides of a triangle at its corner 0, 1 or 2."""
     one = sides[triangle, 0] if place < 2 else sides[triangle, 1]
@@ -275,7 +275,7 @@ def _sides_at(sides, triangle, place):
     return one, two
 
 
-@numba.njit(cache=True)
+@compiled()
 def _other_end(corner, edge, cloud, surface):
     """The other border edge of the fan around a corner that begins with a border edge."""
     corners, sides, owner = cloud.corners, cloud.sides, surface.owner
@@ -291,7 +291,7 @@ def _other_end(corner, edge, cloud, surface):
         triangle = owner[edge, 0] if owner[edge, 1] == triangle else owner[edge, 1]
 
 
-@numba.njit(cache=True)
+@compiled()
 def _overlaps(points, corners, corner, inner, outer):
     """Whether triangle `inner` lies in the angle of `outer` at a corner that both have."""
     a, b = _ends(corners, corner, outer)
@@ -306,7 +306,7 @@ def _overlaps(points, corners, corner, inner, outer):
     )
 
 
-@numba.njit(cache=True)
+@compiled()
 def _is_between(ray, p, q):
     """Whether the projection of a ray to the plane of two unit vectors lies between them."""
     cosine = p[0] * q[0] + p[1] * q[1] + p[2] * q[2]
@@ -316,14 +316,14 @@ def _is_between(ray, p, q):
     return x - cosine * y > least and y - cosine * x > least
 
 
-@numba.njit(cache=True)
+@compiled()
 def _ends(corners, corner, triangle):
     """The other two corners of a triangle."""
     a, b, c = corners[triangle, 0], corners[triangle, 1], corners[triangle, 2]
     return (b, c) if a == corner else ((a, c) if b == corner else (a, b))
 
 
-@numba.njit(cache=True)
+@compiled()
 def _toward(points, start, end):
     """The direction from one point to another; tuples, because arrays are made too often here."""
     x = points[end, 0] - points[start, 0]
@@ -333,7 +333,7 @@ def _toward(points, start, end):
     return x * scale, y * scale, z * scale
 
 
-@numba.njit(cache=True)
+@compiled()
 def _cosine(normals, one, two):
     return (
         normals[one, 0] * normals[two, 0]

@@ -19,6 +19,7 @@ from sherd.mesh.point_cloud import PointCloud
 from sherd.mesh.sides import turned_over
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.repair.repair import RepairReport, repair
+from sherd.repair.sheets import without_crumbs
 from sherd.repair.sides import side_is_unclear
 from sherd.scan.surface_from_points import surface_from_points
 
@@ -109,7 +110,7 @@ def _surface(cloud: PointCloud) -> Intake:
 
 
 def _repaired(original: TriangleMesh, notices: tuple[str, ...]) -> Intake:
-    mesh, report = repair(original)
+    mesh, report = without_crumbs(*repair(original))
     said = (*notices, *(f"repaired for this run: {text}" for text in report.notices))
     return Intake(original, mesh, report, said, side_known=not side_is_unclear(mesh, report))
 

@@ -72,6 +72,14 @@ def surface_from_points(cloud: PointCloud) -> TriangleMesh:
     stray ones, crumbs of fewer than 40 triangles and further points at the same place, are
     vertices without a face.
 
+    Examples
+    --------
+    >>> from sherd.shapes.creature import creature
+    >>> animal = creature(5000)
+    >>> mesh = surface_from_points(PointCloud(animal.vertices))
+    >>> mesh.vertex_count == animal.vertex_count, bool(abs(mesh.area / animal.area - 1) < 0.05)
+    (True, True)
+
     References
     ----------
     Cohen-Steiner, Da, *A greedy Delaunay-based surface reconstruction algorithm*, 2004.

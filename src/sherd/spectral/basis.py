@@ -11,8 +11,9 @@ from scipy import sparse
 from scipy.sparse.linalg import LinearOperator, eigsh, splu
 from threadpoolctl import threadpool_limits
 
-from sherd.arrays import Floats, frozen
+from sherd.arrays import Floats, FrozenState, frozen
 from sherd.errors import OptionError
+from sherd.limits import require_memory
 from sherd.mesh.geometry import edge_lengths
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.spectral.operators import stiffness
@@ -28,8 +29,8 @@ FLAT_FACE = 1e-7
 SHIFT = 1e-3
 
 
-@dataclass(frozen=True, eq=False)
-class EigenBasis:
+@dataclass(frozen=True, eq=False, repr=False)
+class EigenBasis(FrozenState):
     """Eigenpairs `W phi = lambda A phi`, ascending, area-orthonormal.
 
     Attributes
@@ -53,6 +54,9 @@ class EigenBasis:
     vertex_areas: Floats
     residual: float
     laplacian: str
+
+    def __repr__(self) -> str:
+        return f"EigenBasis({self.size} eigenpairs of {len(self.vertex_areas)} vertices)"
 
     @property
     def size(self) -> int:
@@ -92,7 +96,7 @@ def eigenbasis(mesh: TriangleMesh, size: int) -> EigenBasis:
     Raises
     ------
     OptionError
-        If `size` is below 1.
+        If `size` is below 1, or so many eigenvectors do not fit into memory.
 
     Notes
     -----
@@ -106,6 +110,9 @@ def eigenbasis(mesh: TriangleMesh, size: int) -> EigenBasis:
     weak = weak[live][:, live]
     mass = areas[live]
     count = min(size, len(live))
+    require_memory(
+        _memory(len(live), count), f"a basis of {count} eigenvectors", "ask for a smaller basis"
+    )
     with threadpool_limits(limits=1):
         values, vectors = _smallest_pairs(weak, mass, count)
     values = np.maximum(values, 0.0)
@@ -149,6 +156,16 @@ def _operators(mesh: TriangleMesh) -> tuple[str, sparse.csr_array, Floats]:
     return "intrinsic Delaunay", weak, areas
 
 
+def _dense(size: int, count: int) -> bool:
+    """Whether the whole matrix is decomposed: Lanczos needs room, and a small one is no work."""
+    return count > size // 2 or size <= 64
+
+
+def _memory(size: int, count: int) -> int:
+    """Bytes at the peak: matrix, vectors and work space, or 2 k + 1 Lanczos vectors and results."""
+    return 8 * size * (4 * size if _dense(size, count) else 7 * count)
+
+
 def _smallest_pairs(weak: sparse.csr_array, mass: Floats, count: int) -> tuple[Floats, Floats]:
     """Pairs of `weak phi = lambda mass phi`, phi mass-orthonormal."""
     scale = 1.0 / np.sqrt(mass)
@@ -156,7 +173,7 @@ def _smallest_pairs(weak: sparse.csr_array, mass: Floats, count: int) -> tuple[F
     total = float(mass.sum())
     matrix = sparse.csc_array(scaling @ weak @ scaling) * total  # dimensionless
     size = len(mass)
-    if count > size // 2 or size <= 64:  # Lanczos needs room; a small matrix is dense work
+    if _dense(size, count):
         values, vectors = np.linalg.eigh(matrix.toarray())
         values, vectors = values[:count], vectors[:, :count]
     else:

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from sherd.arrays import Floats, Ints
+from sherd.compiled import compiled
 
 __all__ = ["farthest_points"]
 
 
-@njit(cache=True)
+@compiled()
 def farthest_points(points: Floats, count: int, start: int) -> Ints:
     """Indices (count,) of a greedy farthest-point sample of points (n, 3); first index on ties."""
     size = len(points)

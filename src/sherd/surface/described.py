@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -79,6 +80,22 @@ class DescribedSurface:
         self._sampled_at = np.empty(0, dtype=np.int64) if sampled_at is None else sampled_at
         self._known = known or Known()
         self._bases: dict[int, EigenBasis] = {}
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What takes long to compute, as far as it is computed; trees and factors stay behind."""
+        computed = {
+            each.name: self.__dict__.get(each.name, getattr(self._known, each.name))
+            for each in fields(Known)
+        }
+        return {
+            "working": self.working,
+            "reference": self.reference,
+            "sampled_at": self._sampled_at,
+            "known": Known(**computed),
+        }
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        DescribedSurface.__init__(self, **state)
 
     @property
     def placed(self) -> TriangleMesh:

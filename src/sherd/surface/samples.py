@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sherd.arrays import Floats, Ints, Singles
+from sherd.arrays import Floats, Ints, Singles, field_state
 from sherd.descriptors.tangent_frames import geodesic_directions
 from sherd.mesh.surface_points import closest_points
 from sherd.mesh.triangle_mesh import TriangleMesh
@@ -59,6 +60,9 @@ class Samples:
 
     def __len__(self) -> int:
         return len(self.vertices)
+
+    def __getstate__(self) -> dict[str, Any]:
+        return field_state(self)
 
     @classmethod
     def of(

@@ -9,10 +9,10 @@ from __future__ import annotations
 
 import math
 
-import numba
 import numpy as np
 
 from sherd.arrays import Floats, Ints
+from sherd.compiled import compiled
 from sherd.correspondence.labels.labeling_data import Comparison, FullGeometry, PartGeometry, State
 from sherd.threads import over_rows
 
@@ -50,7 +50,7 @@ def guided_turns(
     return turns
 
 
-@numba.njit(cache=True, nogil=True)
+@compiled(nogil=True)
 def _best_placed(rows, nodes, guides, part, full, state, comparison, labels, costs):  # noqa: PLR0913
     for row in range(rows[0], rows[1]):
         misfit = np.empty(full.between.shape[0])
@@ -61,7 +61,7 @@ def _best_placed(rows, nodes, guides, part, full, state, comparison, labels, cos
             misfit[best] = np.inf
 
 
-@numba.njit(cache=True)
+@compiled()
 def _misfits(node, guides, part, full, state, comparison, misfit):
     """Write the cost (s,) of every label for one node: length and direction from each guide."""
     between, directions = part
@@ -90,7 +90,7 @@ def _misfits(node, guides, part, full, state, comparison, misfit):
             misfit[label] += near * cost
 
 
-@numba.njit(cache=True, nogil=True)
+@compiled(nogil=True)
 def _guided_turns(rows, nodes, guides, at, part, full, state, turns):
     between, directions = part
     headings, labels = full.headings, state.labels

@@ -7,17 +7,17 @@ from __future__ import annotations
 
 import math
 
-import numba
 import numpy as np
 
 from sherd.arrays import Ints, Singles
+from sherd.compiled import compiled
 from sherd.correspondence.labels.labeling_data import Comparison, EdgeMeasures, FullGeometry
 from sherd.threads import over_rows
 
 __all__ = ["labeling_costs", "pass_messages"]
 
 
-@numba.njit(cache=True, inline="always")
+@compiled(inline="always")
 def _robust(squared, limit):
     """Geman-McClure: like `squared` near zero, never above `limit`."""
     return squared / (1.0 + squared / limit)
@@ -58,7 +58,7 @@ def labeling_costs(
     return costs
 
 
-@numba.njit(cache=True, nogil=True)
+@compiled(nogil=True)
 def _labeling_costs(  # noqa: PLR0913
     rows, edges, measures, labels, rotations, directions, full, comparison, costs
 ):
@@ -100,7 +100,7 @@ def _labeling_costs(  # noqa: PLR0913
                 costs[edge, a, b] = weight * cost
 
 
-@numba.njit(cache=True)
+@compiled()
 def pass_messages(edges, costs, unary, pointers, incident, rounds):
     """Labels (nodes,) of low total cost by tree-reweighted message passing, and the cost.
 
@@ -138,7 +138,7 @@ def pass_messages(edges, costs, unary, pointers, incident, rounds):
     return _decode(edges, costs, unary, pointers, incident, backward)
 
 
-@numba.njit(cache=True)
+@compiled()
 def _gather(node, edges, unary, pointers, incident, messages, total):
     forward, backward = messages
     total[:] = unary[node]
@@ -150,7 +150,7 @@ def _gather(node, edges, unary, pointers, incident, messages, total):
             total += forward[edge]
 
 
-@numba.njit(cache=True)
+@compiled()
 def _send(cost, rest, message):
     """`message[b] = min over a of rest[a] + cost[a, b]`, shifted so that its minimum is 0."""
     message[:] = np.inf
@@ -160,7 +160,7 @@ def _send(cost, rest, message):
     message -= message.min()
 
 
-@numba.njit(cache=True)
+@compiled()
 def _decode(edges, costs, unary, pointers, incident, backward):
     nodes = len(unary)
     chosen = np.zeros(nodes, np.int64)

@@ -11,9 +11,10 @@ from PIL import Image, ImageDraw, ImageFont
 
 from sherd.arrays import Floats
 from sherd.errors import OptionError
+from sherd.limits import require_memory, require_whole
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.output import write_bytes
-from sherd.report.colors import layer_colors, part_layer
+from sherd.report.colors import full_layer, layer_colors, part_layer
 from sherd.report.drawing.alignment import rotation_to_full
 from sherd.report.drawing.camera import View, best_view, orientation, upward
 from sherd.report.drawing.color_bar import draw_legend
@@ -24,13 +25,21 @@ __all__ = ["Staging", "picture", "stage", "write_picture"]
 
 INK = (28, 32, 38, 255)
 GRAY = (104, 110, 120, 255)
+AMBER = (168, 84, 0, 255)
 # Half of a closed surface is hidden from anywhere; a view from behind is worth its space when
 # less than this share of the region is seen.
 LEAST_VISIBLE_SHARE = 0.3
-# A part smaller than this share of the full shape's extent is enlarged, and the picture says so.
+# A part smaller than this share of the full shape's extent is drawn larger; the scale bars tell.
 LEAST_EXTENT_SHARE = 0.55
+# The bar of the scale is at most so long, in points.
+SCALE_BAR = 120
 # White around a shape, relative to its panel.
 MARGIN = 0.05
+# Two shapes with words need 400 pixels; 10,000 are A3 across at 600 dots per inch.
+WIDTHS = (400, 10_000)
+# A panel is half as wide as the picture and 0.4 of its width high; its depths and faces are kept
+# for 9 rays a pixel, 12 bytes each. The rest is three copies of the picture.
+BYTES_PER_SQUARE = 30
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,15 +96,15 @@ def picture(
     Raises
     ------
     OptionError
-        If no layer has that name or the width is below 400.
+        If no layer has that name, the width is not within 400 and 10,000, or memory is short.
 
     Notes
     -----
     The same exhibit gives the same bytes. A second view from behind is added when the first one
     hides much of the region.
     """
-    if width < 400:
-        raise OptionError(f"width is {width}, but 400 pixels are the least that hold two shapes")
+    require_whole("width", width, *WIDTHS, "fewer do not hold two shapes, and more fill no page")
+    require_memory(BYTES_PER_SQUARE * width**2, f"a picture {width} wide", "ask for a smaller one")
     panels = _panels(exhibit, layer, staging or stage(exhibit))
     unit = width / 1600
     size = (width // len(panels), round(0.40 * width))
@@ -110,10 +119,14 @@ def picture(
     if heading:
         place = (round(40 * unit), round(30 * unit))
         draw.text(place, exhibit.title, fill=INK, font=_font(34 * unit))
+        if exhibit.verdict is not None and not exhibit.verdict.trusted:
+            below = (place[0], round(72 * unit))
+            draw.text(below, exhibit.verdict.words, fill=AMBER, font=_font(26 * unit))
     for index, (panel, pixels) in enumerate(zip(panels, scales, strict=True)):
         image.alpha_composite(_rendered(panel, size, pixels), (index * size[0], top))
         middle = (index * size[0] + size[0] // 2, top + size[1] + round(24 * unit))
-        _write_caption(draw, panel, pixels / scale, middle=middle, unit=unit, room=size[0])
+        _write_caption(draw, panel, middle=middle, unit=unit, room=size[0])
+        _draw_scale_bar(draw, panel, pixels, middle=middle, unit=unit)
     box = (round(0.28 * width), top + size[1] + round(92 * unit), round(0.44 * width))
     shown = panels[0].layer or panels[-1].layer
     draw_legend(draw, shown, box=box, unit=unit, inks=(INK, GRAY))
@@ -173,8 +186,7 @@ def _layers_named(exhibit: Exhibit, name: str | None) -> tuple[Layer | None, Lay
         if not layers:
             return None, None
         name = layers[0].name
-    full = next((layer for layer in exhibit.full_layers if layer.name == name), None)
-    part = part_layer(exhibit, name)
+    full, part = full_layer(exhibit, name), part_layer(exhibit, name)
     if full is None and part is None:
         names = [layer.name for layer in (*exhibit.full_layers, *exhibit.part_layers)]
         raise OptionError(f"layer is {name!r}, but there are only {names}")
@@ -218,7 +230,6 @@ def _rendered(panel: _Panel, size: tuple[int, int], pixels: float) -> Image.Imag
 def _write_caption(
     draw: ImageDraw.ImageDraw,
     panel: _Panel,
-    magnification: float,
     *,
     middle: tuple[int, int],
     unit: float,
@@ -228,13 +239,44 @@ def _write_caption(
     if panel.role == "From behind":
         return
     words = f", {panel.mesh.vertex_count:,} vertices"
-    if not 1 / 1.05 < magnification < 1.05:
-        words += f", enlarged {magnification:.1f} times"
     name, font = panel.mesh.name, _font(20 * unit)
     while len(name) > 9 and draw.textlength(name + words, font=font) > 0.94 * room:
         name = name[: len(name) // 2 - 2] + "..." + name[len(name) // 2 + 2 :]
     below = (middle[0], middle[1] + round(30 * unit))
     draw.text(below, name + words, fill=GRAY, font=font, anchor="mm")
+
+
+def _draw_scale_bar(
+    draw: ImageDraw.ImageDraw,
+    panel: _Panel,
+    pixels: float,
+    *,
+    middle: tuple[int, int],
+    unit: float,
+) -> None:
+    """A bar of a round length in the file's unit, right of the panel's name."""
+    length = round_length(SCALE_BAR * unit / pixels)
+    half = draw.textlength(panel.role, font=_font(24 * unit)) / 2
+    left, (center, height) = round(40 * unit), middle
+    start, stop = center + half + left, center + half + left + length * pixels
+    width = max(1, round(2 * unit))
+    draw.line((start, height, stop, height), fill=GRAY, width=width)
+    for end in (start, stop):
+        draw.line((end, height - 5 * unit, end, height + 5 * unit), fill=GRAY, width=width)
+    words = f"{length:.6g}"
+    draw.text((stop + 10 * unit, height), words, fill=GRAY, font=_font(18 * unit), anchor="lm")
+
+
+def round_length(longest: float) -> float:
+    """The largest of 1, 2 and 5 times a power of ten that is not above `longest`.
+
+    Examples
+    --------
+    >>> round_length(0.037), round_length(50.0), round_length(7.0)
+    (0.02, 50.0, 5.0)
+    """
+    power = 10.0 ** np.floor(np.log10(longest))
+    return float(f"{max(n * power for n in (1, 2, 5) if n * power <= longest * (1 + 1e-9)):.6g}")
 
 
 def _font(size: float) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
 from sherd.arrays import Bools, Floats, Ints
+from sherd.compiled import compiled
 
 __all__ = ["covered_faces", "shaded_image"]
 
@@ -85,7 +85,7 @@ def _drawn_once(points: Floats, faces: Ints) -> Bools:
     return drawn
 
 
-@numba.njit(cache=True)
+@compiled()
 def _large_faces(points, faces):
     """(m,) bool, whether the box around a face is larger than a tile."""
     large = np.zeros(len(faces), np.bool_)
@@ -97,7 +97,7 @@ def _large_faces(points, faces):
     return large
 
 
-@numba.njit(cache=True)
+@compiled()
 def _nearest_faces(points, faces, drawn, width, height):
     depth = np.full((height, width), np.inf)
     nearest = np.full((height, width), -1, dtype=np.int32)
@@ -141,7 +141,7 @@ def _nearest_faces(points, faces, drawn, width, height):
     return nearest
 
 
-@numba.njit(cache=True)
+@compiled()
 def _across(a, b, c, top, bottom):
     """Least and largest column of a triangle between two rows; of long slivers it is little."""
     low, high = np.inf, -np.inf
@@ -161,7 +161,7 @@ def _across(a, b, c, top, bottom):
     return max(low, 0.0), min(max(high, -1.0), 1e9)
 
 
-@numba.njit(cache=True)
+@compiled()
 def _draw(depth, nearest, face, corners, area, box):
     """Draw one face within the pixels (left, right, top, bottom); whether any is new."""
     a, b, c = corners
@@ -188,7 +188,7 @@ def _draw(depth, nearest, face, corners, area, box):
     return drawn
 
 
-@numba.njit(cache=True)
+@compiled()
 def _shade(nearest, points, faces, normals, colors, samples, two_sided):
     height, width = nearest.shape[0] // samples, nearest.shape[1] // samples
     image = np.zeros((height, width, 4), dtype=np.uint8)
@@ -214,7 +214,7 @@ def _shade(nearest, points, faces, normals, colors, samples, two_sided):
     return image
 
 
-@numba.njit(cache=True)
+@compiled()
 def _ray(face, x, y, points, faces, normals, colors, two_sided):
     """Color of one ray. The viewer's shader says the same in the same numbers.
 

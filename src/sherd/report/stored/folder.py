@@ -11,9 +11,13 @@ from typing import Any
 
 import numpy as np
 
-__all__ = ["folder_problems", "plain"]
+from sherd.result_folder import RESULT
 
-RESULT = "result.json"
+__all__ = ["MATCH_FORMAT", "REGION_FORMAT", "folder_problems", "plain"]
+
+# Of result.json; raise the number when a field changes its meaning.
+MATCH_FORMAT = "sherd match 1"
+REGION_FORMAT = "sherd region 1"
 
 
 def folder_problems(folder: str | os.PathLike[str]) -> tuple[str, ...]:

@@ -11,16 +11,20 @@ from typing import Any
 import numpy as np
 
 from sherd.arrays import Bools
+from sherd.energy.convergence import Convergence
 from sherd.errors import InputError, SherdError
 from sherd.files.mesh_files import read_mesh
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.report.colors import correspondence_layer
-from sherd.report.exhibit import Exhibit, Partner
+from sherd.report.exhibit import Exhibit, Partner, Verdict
 from sherd.report.known_layers import file_layers, located_part_layers, stored_layers
-from sherd.report.stored.folder import folder_problems
+from sherd.report.stored.folder import MATCH_FORMAT, REGION_FORMAT, folder_problems
 from sherd.report.stored.stored_match import read_match
+from sherd.results.status import Status
 
 __all__ = ["read_exhibit"]
+
+CONVERGED = Convergence.CONVERGED.name.lower()
 
 
 def read_exhibit(folder: str | os.PathLike[str]) -> Exhibit:
@@ -38,9 +42,9 @@ def read_exhibit(folder: str | os.PathLike[str]) -> Exhibit:
     try:
         document = json.loads((path / "result.json").read_text(encoding="utf-8"))
         kind = document.get("format")
-        if kind == "sherd match 1":
+        if kind == MATCH_FORMAT:
             return _match_exhibit(path, document)
-        if kind == "sherd region 1":
+        if kind == REGION_FORMAT:
             return _region_exhibit(path, document)
     except SherdError:
         raise
@@ -63,6 +67,12 @@ def _match_exhibit(path: Path, document: Mapping[str, Any]) -> Exhibit:
         ),
         part_layers=stored_layers(on_part.fields),
         partner=Partner(stored.points, stored.matched, stored.confidence),
+        verdict=Verdict.from_advice(
+            stored.status.advice, trusted=stored.status is not Status.DOUBTFUL
+        ),
+        command=str(document.get("command", "")),
+        landmarks=stored.options.landmarks,
+        ignored=tuple(stored.options.ignore),
         region=stored.best.mask,
     )
 
@@ -82,6 +92,9 @@ def _region_exhibit(path: Path, document: Mapping[str, Any]) -> Exhibit:
         part=part,
         full_layers=stored_layers(located.fields),
         part_layers=(*located_part_layers(part), *file_layers(piece.fields)),
+        verdict=Verdict.from_advice(
+            str(document["advice"]), trusted=document["status"] == CONVERGED
+        ),
         region=_mask(located),
     )
 

@@ -18,15 +18,14 @@ from sherd.files.mesh_files import read_mesh
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.report.known_layers import own_fields
-from sherd.report.stored.folder import folder_problems
+from sherd.report.stored.folder import MATCH_FORMAT, folder_problems
+from sherd.results.advice import UnfollowedLandmark
 from sherd.results.match_options import MatchOptions
 from sherd.results.match_result import MatchResult
 from sherd.results.placement import Placement
 from sherd.results.status import Status
 
-__all__ = ["FORMAT", "read_match", "stored_alternatives"]
-
-FORMAT = "sherd match 1"
+__all__ = ["read_match", "stored_alternatives"]
 
 
 def stored_alternatives(alternatives: tuple[Placement, ...]) -> bytes:
@@ -55,7 +54,7 @@ def read_match(folder: str | os.PathLike[str]) -> MatchResult:
     >>> read_match("nowhere")
     Traceback (most recent call last):
         ...
-    sherd.errors.InputError: nowhere: there is no such folder; give one that sherd wrote
+    sherd.errors.InputError: nowhere holds no result.json: nothing was finished there; run again
     """
     path = Path(folder)
     problems = folder_problems(path)
@@ -63,7 +62,7 @@ def read_match(folder: str | os.PathLike[str]) -> MatchResult:
         raise InputError(problems[0])
     try:
         document = json.loads((path / "result.json").read_text(encoding="utf-8"))
-        if document.get("format") != FORMAT:
+        if document.get("format") != MATCH_FORMAT:
             raise InputError(f"{path}: holds {document.get('format')!r}, not the result of a match")
         return _result(path, document)
     except SherdError:
@@ -89,6 +88,12 @@ def _result(path: Path, document: dict[str, Any]) -> MatchResult:
         version=document["version"],
         working_vertices=MappingProxyType(document["working_vertices"]),
         notices=MappingProxyType(notices),
+        advice=document["advice"],
+        unfollowed_landmarks=tuple(
+            UnfollowedLandmark(**{**each, "contradicts": tuple(each["contradicts"])})
+            for each in document.get("unfollowed_landmarks", ())
+        ),
+        min_confidence=float(document.get("min_confidence", 0.0)),
     )
 
 

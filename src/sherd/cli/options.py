@@ -1,0 +1,28 @@
+"""Options that several commands have."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable
+from typing import Any
+
+import click
+
+__all__ = ["overwrite_option", "quiet_option"]
+
+overwrite_option = click.option(
+    "--overwrite",
+    is_flag=True,
+    help="Replace what another command or other files left in the folder.",
+)
+
+
+def quiet_option(text: str = "Print errors only.") -> Callable[[Any], Any]:
+    """`-q`, which silences warnings of the log as well."""
+    return click.option("-q", "--quiet", is_flag=True, help=text, callback=_silenced)
+
+
+def _silenced(_context: click.Context, _option: click.Parameter, quiet: bool) -> bool:  # noqa: FBT001
+    if quiet:
+        logging.getLogger("sherd").setLevel(logging.ERROR)
+    return quiet

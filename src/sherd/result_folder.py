@@ -1,0 +1,203 @@
+"""ResultFolder: files that belong together, and what they may replace."""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import json
+import os
+import secrets
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self
+
+from sherd.errors import OutputError
+from sherd.output import reported, require_writable
+
+__all__ = ["NAMES", "RESULT", "ResultFolder", "ResultKind", "replaceable_files"]
+
+RESULT = "result.json"
+# Whatever a result may consist of: a file of such a name is never taken for the user's own.
+NAMES = frozenset(
+    {
+        RESULT, "report.html", "region.csv", "region.ply", "region.png", "part.ply", "full.ply",
+        "correspondence.csv", "correspondence.corr", "correspondence.map", "correspondence.vts",
+        "match.png", "alternatives.npz", "full.vtp", "part.vtp", "result.npz", "result.mat",
+    }
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class ResultKind:
+    """What a result is of: its format, as in ``result.json``, and the names of both shapes."""
+
+    file_format: str
+    full: str
+    part: str
+
+    def __str__(self) -> str:
+        words = self.file_format.split()
+        return f"the {words[-2] if len(words) > 2 else 'result'} of {self.part} on {self.full}"
+
+    def like(self, other: ResultKind) -> bool:
+        """Whether both are the same question; the version of the format does not matter."""
+        kind, other_kind = (k.file_format.rpartition(" ")[0] for k in (self, other))
+        return (kind, self.full, self.part) == (other_kind, other.full, other.part)
+
+
+def replaceable_files(
+    folder: str | os.PathLike[str],
+    kind: ResultKind,
+    *,
+    overwrite: bool = False,
+    own: Iterable[str] = (),
+) -> tuple[str, ...]:
+    """Names of the files of an older result in `folder` that one of this kind may replace.
+
+    An empty folder, and one that holds an older result of the same kind, is free. A result of
+    another kind, and files that no result names, are not unless `overwrite` is set; even then
+    nothing is removed that the older ``result.json`` does not name.
+
+    Parameters
+    ----------
+    folder
+        Where the result shall be written; need not exist.
+    kind
+        Of the new result.
+    overwrite
+        Whether another result may be replaced, and others' files of the same names.
+    own
+        Names that do not count as others' files.
+
+    Raises
+    ------
+    OutputError
+        If the folder cannot be written or is not free; the message says what is there.
+    """
+    target = Path(folder)
+    require_writable(target, folder=True)
+    if not target.exists():
+        return ()
+    with reported(target):
+        present = {path.name for path in target.iterdir() if not path.name.startswith(".")}
+    old = _stored(target)
+    if overwrite:
+        return () if old is None else old[1]
+    if old is None:
+        foreign = sorted(present - set(own))
+        if foreign:
+            more = f" and {len(foreign) - 3} more" if len(foreign) > 3 else ""
+            raise _taken(target, f"{', '.join(foreign[:3])}{more}, which no result names")
+        return ()
+    if not old[0].like(kind):
+        raise _taken(target, str(old[0]))
+    foreign = sorted((present & NAMES) - set(old[1]) - {RESULT} - set(own))
+    if foreign:
+        raise _taken(target, f"{', '.join(foreign)}, which its {RESULT} does not name")
+    return old[1]
+
+
+def _taken(folder: Path, what: str) -> OutputError:
+    return OutputError(
+        f"{folder}: holds {what}; choose another folder or allow to replace it "
+        "(--overwrite, in Python overwrite=True)"
+    )
+
+
+def _stored(folder: Path) -> tuple[ResultKind, tuple[str, ...]] | None:
+    """Kind and files of the result in a folder; None if there is none of ours."""
+    try:
+        document = json.loads((folder / RESULT).read_text(encoding="utf-8"))
+        names = (document["format"], document["full"]["name"], document["part"]["name"])
+        files = [Path(name).name for name in document["files"]]
+    except (OSError, ValueError, KeyError, TypeError):
+        return None
+    if not str(names[0]).startswith("sherd "):
+        return None
+    kept = (name for name in files if (folder / name).is_file())
+    return ResultKind(*map(str, names)), tuple(kept)
+
+
+class ResultFolder:
+    """Files that belong together: all are staged first, then renamed, ``result.json`` last.
+
+    ``result.json`` names every other file with its SHA-256, so a folder that holds files of two
+    runs is recognized. Use as a context manager; leaving the block without :meth:`finish` removes
+    what was staged, and the folder too if it was made here and is empty.
+
+    Parameters
+    ----------
+    path
+        The folder; made when missing.
+    replaced
+        Names of files of an older result there, see :func:`replaceable_files`: those that the new
+        result does not have are removed.
+
+    Raises
+    ------
+    OutputError
+        From any method, if the disk refuses; what stood there before is untouched unless the
+        disk fails between two renames, which the hashes reveal.
+    """
+
+    def __init__(self, path: str | os.PathLike[str], *, replaced: Iterable[str] = ()) -> None:
+        self.path = Path(path)
+        self._replaced = tuple(replaced)
+        self._made: list[Path] = []
+        self._staged: dict[str, Path] = {}
+        self._hashes: dict[str, str] = {}
+
+    def __enter__(self) -> Self:
+        with reported(self.path):
+            missing = [p for p in (self.path, *self.path.parents) if not p.exists()]
+            self.path.mkdir(parents=True, exist_ok=True)
+            self._made = missing
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        for temporary in self._staged.values():
+            with contextlib.suppress(OSError):
+                temporary.unlink()
+        for folder in self._made:
+            with contextlib.suppress(OSError):
+                folder.rmdir()  # fails, as it should, unless empty
+
+    def add(self, name: str, content: bytes | str) -> None:
+        """Stage one file; text is written as UTF-8."""
+        data = content.encode("utf-8") if isinstance(content, str) else content
+        temporary = self.path / f".{name}-{secrets.token_hex(4)}.partial"
+        self._staged[name] = temporary
+        self._hashes[name] = hashlib.sha256(data).hexdigest()
+        with reported(self.path / name):
+            _write_through(temporary, data)
+
+    def finish(self, result: dict[str, Any]) -> dict[str, Any]:
+        """Rename all staged files and write ``result.json``: `result` plus ``files``."""
+        document = {**result, "files": dict(sorted(self._hashes.items()))}
+        self.add(RESULT, json.dumps(document, indent=2, allow_nan=False) + "\n")
+        for name, temporary in list(self._staged.items()):
+            if name == RESULT:
+                self._remove_leftovers()
+            with reported(self.path / name):
+                temporary.replace(self.path / name)
+            del self._staged[name]
+        return document
+
+    def _remove_leftovers(self) -> None:
+        for name in set(self._replaced) - set(self._hashes):
+            with reported(self.path / name):
+                (self.path / name).unlink(missing_ok=True)
+
+
+def _write_through(path: Path, data: bytes) -> None:
+    with path.open("wb") as stream:
+        stream.write(data)
+        stream.flush()
+        os.fsync(stream.fileno())  # the bytes reach the disk before the name does

@@ -1,0 +1,113 @@
+"""What speaks against an answer as a whole, and what to do about it, in words."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from sherd.results.status import Status
+
+__all__ = ["Doubts", "UnfollowedLandmark"]
+
+# So many landmarks are named in the advice; the result has them all.
+NAMED = 5
+UNLIKE = (
+    "the part fits the full shape hardly better than another shape would; look at the "
+    "alternatives, give the scale if you know it, or give landmarks"
+)
+
+
+@dataclass(frozen=True)
+class UnfollowedLandmark:
+    """A landmark that the answer does not follow, or that others contradict.
+
+    Attributes
+    ----------
+    part_vertex, full_vertex
+        The landmark.
+    distance
+        On the full shape from `full_vertex` to the answer for `part_vertex`, in sqrt(area).
+    contradicts
+        Vertices of the part whose landmarks cannot be true together with this one: on the full
+        shape they lie farther apart than the part allows.
+    """
+
+    part_vertex: int
+    full_vertex: int
+    distance: float
+    contradicts: tuple[int, ...] = ()
+
+
+@dataclass(frozen=True)
+class Doubts:
+    """What speaks against an answer; nothing by default.
+
+    Attributes
+    ----------
+    unlike
+        Whether another shape would fit about as well.
+    scale_unknown
+        Whether the scale was estimated.
+    scale_bound
+        The scale, if it stands at its bound.
+    unfollowed
+        Landmarks that were not followed or contradict each other.
+    units
+        A sentence that proposes units, or nothing.
+
+    Examples
+    --------
+    >>> Doubts().status.name, Doubts(scale_bound=2.0).status.name
+    ('GOOD', 'DOUBTFUL')
+    """
+
+    unlike: bool = False
+    scale_unknown: bool = False
+    scale_bound: float | None = None
+    unfollowed: tuple[UnfollowedLandmark, ...] = ()
+    units: str = ""
+
+    @property
+    def status(self) -> Status:
+        """Good if nothing speaks against it."""
+        doubtful = self.unlike or self.scale_bound is not None or self.unfollowed
+        return Status.DOUBTFUL if doubtful else Status.GOOD
+
+    @property
+    def advice(self) -> str:
+        """What to do, with the names of what is wrong."""
+        if self.status is Status.GOOD:
+            return Status.GOOD.advice
+        plain = self.scale_bound is None and not self.unfollowed and not self.units
+        if plain and not self.scale_unknown:
+            return Status.DOUBTFUL.advice
+        said = [UNLIKE] if self.unlike else []
+        if self.scale_bound is not None:
+            said.append(
+                f"the scale stands at its bound, {self.scale_bound:.4g}; give the units of both "
+                "shapes or a factor (scale=FACTOR, --scale FACTOR)"
+            )
+        if self.unfollowed:
+            said.append(_said_of_landmarks(self.unfollowed))
+        if self.units:
+            said.append(self.units)
+        return f"doubtful: {'; '.join(said)}"
+
+
+def _said_of_landmarks(landmarks: tuple[UnfollowedLandmark, ...]) -> str:
+    named = []
+    for each in landmarks[:NAMED]:
+        text = (
+            f"part vertex {each.part_vertex} on full vertex {each.full_vertex} "
+            f"({each.distance:.2f} sqrt(area) from the answer"
+        )
+        if each.contradicts:
+            others = ", ".join(str(vertex) for vertex in each.contradicts[:NAMED])
+            more = ", ..." if len(each.contradicts) > NAMED else ""
+            text += f", contradicts that of part vertex {others}{more}"
+        named.append(f"{text})")
+    if len(landmarks) > NAMED:
+        named.append(f"{len(landmarks) - NAMED} more")
+    return (
+        f"landmarks that are not followed or contradict each other: {', '.join(named)}; correct "
+        "them or leave them out"
+    )
