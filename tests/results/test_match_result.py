@@ -85,6 +85,14 @@ def test_wrong_answers_do_not_pass(known, fragment, answered) -> None:
     assert not inside_out.passed
     assert inside_out.preserved < 0.001
     assert inside_out.edge_stretch < 1e-9
+    squeezed = known.part.vertices * [2.0, 0.5, 1.0]
+    other = known.part.with_vertices(squeezed)
+    other = other.with_vertices(squeezed * known.part.length / other.length)
+    stretched = replace(known, part=other).check()
+    assert not stretched.passed
+    assert stretched.edge_stretch > 0.2
+    assert stretched.area_ratio == pytest.approx(1.0, abs=0.03)
+    assert stretched.preserved > 0.999
     too_large = replace(known, scale=1.5).check()
     assert not too_large.passed
     assert too_large.area_ratio == pytest.approx(1 / 1.5**2, rel=0.03)

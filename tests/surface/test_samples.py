@@ -75,6 +75,15 @@ def test_cells_are_those_of_the_nearest_sample(
         np.testing.assert_array_equal(samples.distances[samples.cells[others], others], nearest)
 
 
+def test_a_sample_has_a_cell_of_its_own_though_another_is_as_near() -> None:
+    """Two samples at no distance from each other, as on faces without area."""
+    distances = np.array([[0.0, 0.0, 1.0], [0.0, 0.0, 2.0]], dtype=np.float32)
+    none = np.zeros((2, 2), dtype=np.float32)
+    samples = Samples.of(np.array([0, 1]), distances, none)
+    assert samples.cells.tolist() == [0, 1, 0]
+    assert samples.farthest_first.tolist() == [0, 1]
+
+
 def test_samples_are_spread_and_the_first_ones_farthest_apart(
     template: Template, open_part: DescribedSurface
 ) -> None:

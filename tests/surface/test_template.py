@@ -12,6 +12,7 @@ from sherd.match import match
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.results.match_options import MatchOptions
 from sherd.scan.intake import mesh_intake
+from sherd.surface import described
 from sherd.surface.prepared import as_template
 from sherd.surface.template import Template
 from sherd.surface.working import LONGEST_EDGE
@@ -65,6 +66,17 @@ def test_saved_and_loaded_it_is_the_same(template: Template, stored: Path) -> No
     np.testing.assert_array_equal(
         loaded.own_vertices.barycentric, template.own_vertices.barycentric
     )
+
+
+def test_what_was_stored_is_not_computed_again(stored: Path, monkeypatch) -> None:
+    def refuse(*_: object, **__: object) -> None:
+        raise AssertionError("computed again")
+
+    for name in ("smoothed_normals", "rotation_spectra", "dense_samples"):
+        monkeypatch.setattr(described, name, refuse)
+    loaded = Template.load(stored)
+    loaded.prepare()
+    assert loaded.normals.shape == (loaded.mesh.vertex_count, 3)
 
 
 def test_matching_with_a_loaded_template_gives_the_same_bits(
@@ -154,6 +166,18 @@ def test_arrays_that_do_not_belong_together_are_refused(
     with np.load(stored) as archive:
         content = dict(archive)
     np.savez(tmp_path / "spoiled.npz", **{**content, name: value})
+    with pytest.raises(MeshFileError, match="no template of this version"):
+        Template.load(tmp_path / "spoiled.npz")
+
+
+@pytest.mark.parametrize("vertex", [-1, 10**6])
+def test_labels_at_vertices_that_do_not_exist_are_refused(
+    stored: Path, tmp_path: Path, vertex: int
+) -> None:
+    with np.load(stored) as archive:
+        content = dict(archive)
+    content["dense_vertices"][7] = vertex
+    np.savez(tmp_path / "spoiled.npz", **content)
     with pytest.raises(MeshFileError, match="no template of this version"):
         Template.load(tmp_path / "spoiled.npz")
 

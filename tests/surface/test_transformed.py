@@ -46,6 +46,9 @@ def test_what_a_mirror_image_takes_over_is_what_it_would_compute(piece: Describe
     np.testing.assert_array_equal(image.sparse.vertices, plain.sparse.vertices)
     assert np.abs(image.sparse.between - plain.sparse.between).max() < 1e-5
     assert np.quantile(angle(image.sparse.directions, plain.sparse.directions), 0.99) < 1e-3
+    some = np.arange(0, image.mesh.vertex_count, 9)
+    for here, there in zip(piece.frames(some), image.frames(some), strict=True):
+        np.testing.assert_allclose(there, here * FLIP, atol=1e-12)
     assert image.mesh.area == pytest.approx(piece.mesh.area)
     # its faces look outward
     assert (image.mesh.vertex_normals * image.normals).sum(axis=1).min() > 0
