@@ -7,7 +7,6 @@ from types import MappingProxyType
 from typing import Unpack
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
 from sherd.arrays import Bools, Floats, frozen
 from sherd.energy.cleanup import raised_to_area, threshold_to_area
@@ -27,6 +26,7 @@ from sherd.scan.numbering import turned_as_repaired
 from sherd.surface.described import DescribedSurface
 from sherd.surface.prepared import as_template, described_part
 from sherd.surface.template import Template
+from sherd.threads import one_blas_thread
 
 __all__ = ["STAGES", "locate", "locate_one_side"]
 
@@ -118,8 +118,7 @@ def locate_one_side(
     check_sizes(template.intake.mesh, part.mesh)
     described = described_part(part.mesh, template.length)
     method = locate_by_voting if options.method == "voting" else locate_by_integrals
-    # Two BLAS threads are slower than one at these sizes, and their order of sums may vary.
-    with threadpool_limits(limits=1, user_api="blas"):
+    with one_blas_thread():
         found = method(template, described, options, stages)
     with stages("numbering"):
         area = min(described.placed.area, template.placed.area)

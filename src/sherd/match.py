@@ -24,7 +24,7 @@ from sherd.correspondence.placements import (
     mirrored_placement,
     second_placement,
 )
-from sherd.correspondence.question import Question
+from sherd.correspondence.question import Pins, Question
 from sherd.correspondence.scale import LARGEST_SCALE, SAME, estimated_scale
 from sherd.correspondence.unfollowed import unfollowed_landmarks
 from sherd.correspondence.working_placement import (
@@ -35,6 +35,7 @@ from sherd.correspondence.working_placement import (
 )
 from sherd.mesh.sides import bulge
 from sherd.mesh.sizes import check_sizes
+from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.mesh.units import unit_proposal
 from sherd.output import Stages
 from sherd.region.coverage import covered_region
@@ -48,8 +49,10 @@ from sherd.results.way_back import WayBack
 from sherd.scan.either_side import SURE_BULGE, better_side
 from sherd.scan.intake import Intake, MeshSource, ScanSource, scan_intake
 from sherd.scan.numbering import turned_as_repaired
+from sherd.surface.described import DescribedSurface
 from sherd.surface.prepared import as_template, described_part
 from sherd.surface.template import Template
+from sherd.threads import begun
 
 __all__ = ["STAGES", "match", "match_one_side"]
 
@@ -142,23 +145,24 @@ def match_one_side(
     )
     kept, kept_vertices = without_ignored(part, options)
     pins = pins_of(template, part, kept_vertices, options)
-    rng = np.random.default_rng(options.seed)
+    rng, twin_rng = np.random.default_rng(options.seed).spawn(2)
+    unit = template.length / options.factor
+    described = begun(lambda: _described(kept, unit, pins))
     with stages("full shape"):
         template.prepare()
     with stages("part"):
-        unit = template.length / options.factor
-        surface = described_part(kept, unit, sampled_at=pins.vertices)
+        surface = described()
         comparison = UNKNOWN_SCALE if unknown else SAME_SCALE
         question = Question(template, surface, comparison, working_pins(surface, pins))
-        _ = surface.sparse  # computed on first use, and this is the stage that it belongs to
     with stages("scale"):
         estimate = estimated_scale(question, rng) if unknown else SAME
         scale = options.factor * estimate.factor
         if estimate.factor != 1.0:
             unit = template.length / scale
-            surface = described_part(kept, unit, sampled_at=pins.vertices)
+            surface = _described(kept, unit, pins)
             question = question.with_part(surface)
-        queries = part_queries(surface, rng)
+        queries = part_queries(question, rng)
+    twin_placement = begun(lambda: mirrored_placement(question, queries, twin_rng))
     with stages("anchors"):
         labeling = anchor_labeling(question, rng)
     with stages("first placement"):
@@ -167,7 +171,7 @@ def match_one_side(
         second = second_placement(question, first, queries, rng)
         best, other = sorted((first, second), key=lambda found: -found.score)
     with stages("mirrored twin"):
-        twin = mirrored_placement(question, queries, rng)
+        twin = twin_placement()
     with stages("confidence"):
         trust = _trust(question, queries, best, other)
     with stages("region"):
@@ -205,6 +209,12 @@ def match_one_side(
         ),
         notices=MappingProxyType({"full": template.intake.notices, "part": part.notices}),
     )
+
+
+def _described(kept: TriangleMesh, unit: float, pins: Pins) -> DescribedSurface:
+    surface = described_part(kept, unit, sampled_at=pins.vertices)
+    _ = surface.sparse  # computed on first use, and now another core may have time
+    return surface
 
 
 @dataclass(frozen=True, eq=False)

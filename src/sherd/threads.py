@@ -1,4 +1,4 @@
-"""Compiled loops over rows, on all cores: one slice of the rows for each thread.
+"""Work on all cores: compiled loops over rows, and one piece of work beside another.
 
 Numba's own parallel loops take three times as long to compile, and depending on the machine end
 the process when two threads call them at once.
@@ -7,13 +7,16 @@ the process when two threads call them at once.
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from itertools import pairwise
 from threading import Lock
-from typing import Any
+from typing import Any, TypeVar
 
-__all__ = ["over_rows", "set_thread_count", "thread_count"]
+__all__ = ["begun", "one_blas_thread", "over_rows", "set_thread_count", "thread_count"]
+
+Result = TypeVar("Result")
 
 # So that no core waits long for the slowest slice; a slice costs 20 microseconds.
 SLICES_PER_THREAD = 4
@@ -71,9 +74,45 @@ def over_rows(kernel: Callable[..., None], count: int, *arguments: Any) -> None:
                 other.result()
 
 
+def begun(work: Callable[[], Result]) -> Callable[[], Result]:
+    """Begin `work` on another core, if there is one to spare, and return what waits for its result.
+
+    Otherwise it is done when it is asked for, by whoever asks. It must not depend on what the
+    caller does meanwhile; then the result is the same.
+    """
+    if thread_count() == 1:
+        return work
+    task = _pool(thread_count() - 1).submit(work)
+    return lambda: work() if task.cancel() else task.result()
+
+
+@contextmanager
+def one_blas_thread() -> Iterator[None]:
+    """Let matrix products of all threads take one thread each.
+
+    Their sums then have the same order on every machine, and at our sizes two threads are slower
+    than one. The setting is global, so the last of several threads to leave takes it back.
+    """
+    with _making:
+        if not _inside:
+            from threadpoolctl import threadpool_limits  # noqa: PLC0415
+
+            _limits.append(threadpool_limits(limits=1, user_api="blas"))
+        _inside.append(None)
+    try:
+        yield
+    finally:
+        with _making:
+            _inside.pop()
+            if not _inside:
+                _limits.pop().restore_original_limits()
+
+
 # One for the life of the process: to make one takes longer than most of the work.
 _pools: dict[int, ThreadPoolExecutor] = {}
 _making = Lock()
+_inside: list[None] = []
+_limits: list[Any] = []
 
 
 def _pool(threads: int) -> ThreadPoolExecutor:
@@ -87,6 +126,8 @@ def _forget() -> None:
     """In a forked child the threads are gone, and the lock may have been held."""
     global _making  # noqa: PLW0603
     _pools.clear()
+    _inside.clear()
+    _limits.clear()
     _making = Lock()
 
 

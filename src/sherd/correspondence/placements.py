@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from sherd.arrays import Singles
-from sherd.correspondence.labels.anchors import find_anchors
+from sherd.correspondence.labels.anchors import find_anchors, proposed_anchors
 from sherd.correspondence.labels.labeling import SIMILARITY_STEP, Labeling, labeling_problem
 from sherd.correspondence.question import Question
 from sherd.correspondence.working_placement import (
@@ -27,6 +27,7 @@ __all__ = ["anchor_labeling", "mirrored_placement", "node_similarity", "second_p
 # Once the region is known, neighborhoods agree better, and lack of similarity says more.
 SECOND_STEP = 0.5 * SIMILARITY_STEP
 SECOND_ROUNDS = 2
+TWIN_ROUNDS = 2
 
 
 def anchor_labeling(question: Question, rng: np.random.Generator) -> Labeling:
@@ -59,17 +60,21 @@ def mirrored_placement(
 ) -> WorkingPlacement:
     """The best placement of the part's mirror image, as the left leg for the right."""
     image = question.with_part(mirrored(question.part))
-    labeling = anchor_labeling(image, rng)
+    part = image.part
+    similarity = node_similarity(image, part.trusted_spectra(part.sparse.vertices))
+    # what growth would mend is not needed to judge it
+    labeling = proposed_anchors(labeling_problem(image, similarity, rng), rounds=TWIN_ROUNDS)
     return rough_placement_from_labeling(image, labeling, mirrored_queries(queries))
 
 
 def node_similarity(
     question: Question, node_spectra: Singles, *, inside: Singles | None = None
 ) -> Singles:
-    """Similarity (k, s, r) of each node with the vertices of each label's cell, by rotation.
+    """Similarity (k, s, r) of each node with the members of each label's cell, by rotation.
 
-    `inside` are spectra of the full shape as seen within a region; all of it is seen if None.
+    `node_spectra` are not projected yet. `inside` are spectra of the full shape as seen within a region; all of it is seen if None.
     """
     full = question.full
-    spectra = full.spectra if inside is None else inside
-    return pooled_similarity(spectra, node_spectra, full.dense.cells, len(full.dense))
+    members = full.dense.members
+    spectra = (full.spectra if inside is None else inside)[:, members]
+    return pooled_similarity(spectra, full.axes.project(node_spectra), full.dense.cells[members], len(full.dense))

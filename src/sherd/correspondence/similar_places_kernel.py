@@ -19,6 +19,8 @@ __all__ = ["Sheet", "Spectra", "most_alike"]
 
 # Similarities within 0.02 of the best are equally good.
 SOFTNESS = 0.02
+# Cosine between two normals below which they are those of two sheets.
+SAME_SHEET = 0.2
 # A target that is spread wider than a vertex spacing is a weak one.
 SPREAD = 0.012
 # The largest ball on two sheets of 20,000 vertices holds 300. Crumpled pages may fill one with
@@ -55,32 +57,37 @@ def most_alike(  # noqa: PLR0913
             near = nearest[row : row + 1]
         near = near[:: 1 + len(near) // MOST_PLACES]
         count = len(near)
-        score, offset = np.empty(count), np.empty((count, 3))
+        score, offset = np.full(count, -np.inf), np.empty((count, 3))
         up = normals[nearest[row]]
         best, alike = -np.inf, -np.inf
         for k in range(count):
             vertex = near[k]
-            value = similarity_of_two(full_spectra, vertex, part_spectra, row, waves)
-            alike = max(alike, value)
             distance, agreement = 0.0, 0.0
             for axis in range(3):
                 offset[k, axis] = vertices[vertex, axis] - here[row, axis]
                 distance += offset[k, axis] ** 2
                 agreement += normals[vertex, axis] * up[axis]
+            if agreement < SAME_SHEET and vertex != nearest[row]:
+                continue
+            value = similarity_of_two(full_spectra, vertex, part_spectra, row, waves)
+            alike = max(alike, value)
             # of two equally similar places the nearer one
             score[k] = value - 0.5 * SOFTNESS * distance / (0.6 * reach) ** 2
-            if agreement < 0.2:
-                score[k] -= 1.0  # another sheet
             best = max(best, score[k])
+        if best == -np.inf:  # a ball on another sheet only
+            offset[0], score[0], best = vertices[nearest[row]] - here[row], 0.0, 0.0
+            alike = similarity_of_two(full_spectra, nearest[row], part_spectra, row, waves)
         total, spread = 0.0, 0.0
         mean = np.zeros(3)
         for k in range(count):
             score[k] = math.exp((score[k] - best) / SOFTNESS) * areas[near[k]]
             total += score[k]
-            mean += score[k] * offset[k]
+            for axis in range(3):
+                mean[axis] += score[k] * offset[k, axis]
         mean /= max(total, 1e-300)
         for k in range(count):
-            spread += score[k] * ((offset[k] - mean) ** 2).sum()
+            for axis in range(3):
+                spread += score[k] * (offset[k, axis] - mean[axis]) ** 2
         spread /= max(total, 1e-300)
         targets[row] = here[row] + mean
         confidence[row] = 1.0 / (1.0 + spread / SPREAD**2)

@@ -33,8 +33,9 @@ def trilaterated_vertices(question: Question, labeling: Labeling) -> Ints:
     alone = ~np.isfinite(distances).any(axis=0)  # on a component without any reliable node
     distances[:, alone] = nodes.distances[:, alone]
     count = min(ANCHORS, len(distances))
-    near = np.argsort(distances, axis=0, kind="stable")[:count].T
-    length = np.take_along_axis(distances, near.T, axis=0).T
+    by_vertex = np.ascontiguousarray(distances.T)
+    near = np.argpartition(by_vertex, count - 1, axis=1)[:, :count]
+    length = np.take_along_axis(by_vertex, near, axis=1)
     members = _members(labels.cells, len(labels))
     result = np.zeros(len(near), dtype=np.int64)
     over_rows(

@@ -46,9 +46,9 @@ COVERED = 0.5
 
 @dataclass(frozen=True, eq=False)
 class Queries:
-    """Vertices (q,) of the part that look for similar places, and their spectra (5, q, 2 c).
+    """Vertices (q,) of the part that look for similar places, and their spectra (5, q, 2 k).
 
-    `cut_aware` weighs radii by the distance to the cut, `plain` does not.
+    They are projected to the axes of the full shape. `cut_aware` weighs radii by the distance to the cut, `plain` does not.
     """
 
     vertices: Ints
@@ -85,14 +85,15 @@ class WorkingPlacement:
     score: float
 
 
-def part_queries(part: DescribedSurface, rng: np.random.Generator) -> Queries:
+def part_queries(question: Question, rng: np.random.Generator) -> Queries:
     """Choose the query vertices and describe them once."""
+    part, project = question.part, question.full.axes.project
     used = np.unique(part.mesh.faces)
     if len(used) > QUERY_COUNT:
         used = np.sort(rng.choice(used, QUERY_COUNT, replace=False))
     spectra = part.spectra_at(used)
     cut_aware = trusted_by_cut(spectra, part.cut_distance[used], RADII, LEAST_TRUST)
-    return Queries(used, cut_aware, trusted_equally(spectra, RADII))
+    return Queries(used, project(cut_aware), project(trusted_equally(spectra, RADII)))
 
 
 def mirrored_queries(queries: Queries) -> Queries:

@@ -24,8 +24,9 @@ def describe(  # noqa: PLR0913
 ):
     """Write the spectra (5, q, 2 c) of the query vertices."""
     half = len(radii) * BINS
+    histogram, total = np.empty((len(radii), AZIMUTHS, BINS)), np.empty(BINS)
     for row in range(rows[0], rows[1]):
-        histogram = np.zeros((len(radii), AZIMUTHS, BINS))
+        histogram[:] = 0.0
         frame = (x_axes[row], z_axes[row])
         vote(vertices, normals, weights, queries[row], frame, radii, cells, histogram)
         for k in range(len(radii)):
@@ -34,11 +35,13 @@ def describe(  # noqa: PLR0913
             for frequency in range(FREQUENCIES):
                 for part in range(2):
                     start = part * half + k * BINS
+                    total[:] = 0.0
+                    for azimuth in range(AZIMUTHS):
+                        wave = scale * waves[frequency, part, azimuth]
+                        for entry in range(BINS):
+                            total[entry] += histogram[k, azimuth, entry] * wave
                     for entry in range(BINS):
-                        total = 0.0
-                        for azimuth in range(AZIMUTHS):
-                            total += histogram[k, azimuth, entry] * waves[frequency, part, azimuth]
-                        result[frequency, row, start + entry] = scale * total
+                        result[frequency, row, start + entry] = total[entry]
 
 
 @compiled(nogil=True, fastmath={"reassoc", "contract"})
@@ -71,11 +74,16 @@ def similarity_of_two(full_spectra, vertex, part_spectra, point, waves):
     for frequency in range(FREQUENCIES):
         p, f = part_spectra[frequency, point], full_spectra[frequency, vertex]
         real, imaginary = np.float32(0.0), np.float32(0.0)
+        if frequency in (0, last):  # these have no imaginary part
+            for k in range(half):
+                real += p[k] * f[k]
+            for shift in range(len(totals)):
+                totals[shift] += real * waves[frequency, shift]
+            continue
         for k in range(half):
             real += p[k] * f[k] + p[half + k] * f[half + k]
             imaginary += p[half + k] * f[k] - p[k] * f[half + k]
+        turned = waves[FREQUENCIES + frequency - 1]
         for shift in range(len(totals)):
-            totals[shift] += real * waves[frequency, shift]
-            if 0 < frequency < last:
-                totals[shift] += imaginary * waves[FREQUENCIES + frequency - 1, shift]
+            totals[shift] += real * waves[frequency, shift] + imaginary * turned[shift]
     return totals.max()

@@ -22,13 +22,12 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 from numpy.typing import NDArray
-from threadpoolctl import threadpool_limits
 
 from sherd.arrays import Floats, Ints, Singles
 from sherd.descriptors.rotation_kernel import FREQUENCIES, describe, pool_cells
 from sherd.descriptors.shot_kernel import AZIMUTHS, BINS
 from sherd.mesh.vertex_cells_kernel import sorted_into_cells
-from sherd.threads import over_rows, thread_count
+from sherd.threads import one_blas_thread, over_rows, thread_count
 
 __all__ = [
     "mirrored_spectra",
@@ -155,13 +154,15 @@ def pooled_similarity(
     result = np.empty((count, cell_count, shifts), dtype=np.float32)
     block = max(1, int(3e6) // max(len(cells), 1))
     half = part_spectra.shape[2] // 2
+    widths = [2 * half if k in _IMAGINARY else half for k in _REAL]
     turned = np.concatenate([part_spectra[:, :, half:], -part_spectra[:, :, :half]], axis=2)
-    with threadpool_limits(limits=1), ThreadPoolExecutor(thread_count()) as pool:
+    with one_blas_thread(), ThreadPoolExecutor(thread_count()) as pool:
         for start in range(0, count, block):
             rows = slice(start, min(start + block, count))
             parts = np.empty((AZIMUTHS, rows.stop - start, len(cells)), dtype=np.float32)
             products: list[tuple[Singles, Singles, Singles]] = [
-                (part_spectra[k, rows], full_spectra[k].T, parts[k]) for k in _REAL
+                (part_spectra[k, rows, :width], full_spectra[k, :, :width].T, parts[k])
+                for k, width in zip(_REAL, widths, strict=True)
             ]
             products += [
                 (turned[k, rows], full_spectra[k].T, parts[FREQUENCIES + k - 1]) for k in _IMAGINARY

@@ -116,6 +116,7 @@ def _vote_all(  # noqa: PLR0913
 def vote(vertices, normals, weights, query, frame, radii, cells, histogram):
     """Add the votes of all neighbors of one vertex to its histogram (r, 8, 44).
 
+    Each is shared linearly between the two nearest bins of each of the four coordinates.
     `frame` are its x and z axis; `cells` are those of :func:`sorted_into_cells`.
     """
     # Scalars instead of small arrays: an allocation per neighbor would triple the time.
@@ -154,13 +155,52 @@ def vote(vertices, normals, weights, query, frame, radii, cells, histogram):
                 cosine = normals[other, 0] * z0 + normals[other, 1] * z1 + normals[other, 2] * z2
                 along, across = dx * x0 + dy * x1 + dz * x2, dx * y0 + dy * y1 + dz * y2
                 height = (dx * z0 + dy * z1 + dz * z2) / distance
-                azimuth = (math.atan2(across, along) / (2 * math.pi) + 1.0) % 1.0
+                # each coordinate in widths of a bin, counted from the middle of the first
+                at_azimuth = _turn(across, along) * AZIMUTHS
+                at_height = (min(1.0, max(-1.0, height)) + 1.0) * 0.5 * ELEVATIONS - 0.5
+                at_cosine = (min(1.0, max(-1.0, cosine)) + 1.0) * 0.5 * COSINES - 0.5
+                a0, h0, c0 = int(at_azimuth), int(at_height + 1.0) - 1, int(at_cosine + 1.0) - 1
+                fa, fh, fc = at_azimuth - a0, at_height - h0, at_cosine - c0
+                a0, a1 = a0 % AZIMUTHS, (a0 + 1) % AZIMUTHS
+                h0, h1 = max(0, h0), min(ELEVATIONS - 1, h0 + 1)
+                c0, c1 = max(0, c0), min(COSINES - 1, c0 + 1)
                 for k in range(len(radii)):
                     if distance < radii[k]:
-                        _add(
-                            histogram, k, weight,
-                            azimuth, height, distance / radii[k], cosine,
-                        )  # fmt: skip
+                        at_radius = distance / radii[k] * SHELLS - 0.5
+                        r0 = int(at_radius + 1.0) - 1
+                        fr = at_radius - r0
+                        r0, r1 = max(0, r0), min(SHELLS - 1, r0 + 1)
+                        for step in range(4):
+                            h, share = (h0, 1.0 - fh) if step < 2 else (h1, fh)
+                            r, part = (r0, 1.0 - fr) if step % 2 == 0 else (r1, fr)
+                            share *= weight * part
+                            near, far = share * (1.0 - fa), share * fa
+                            base = (h * SHELLS + r) * COSINES
+                            histogram[k, a0, base + c0] += near * (1.0 - fc)
+                            histogram[k, a0, base + c1] += near * fc
+                            histogram[k, a1, base + c0] += far * (1.0 - fc)
+                            histogram[k, a1, base + c1] += far * fc
+
+
+@compiled(inline="always")
+def _turn(y, x):
+    """Angle of (x, y) in turns from 0 to 1, within 2e-6: a fifth of the time of `atan2`.
+
+    Hastings, *Approximations for digital computers*, 1955, sheet 9.
+    """
+    wide, narrow = max(abs(x), abs(y)), min(abs(x), abs(y))
+    q = narrow / wide if wide > 0.0 else 0.0
+    s = q * q
+    angle = q * (
+        0.9998660 + s * (-0.3302995 + s * (0.1801410 + s * (-0.0851330 + s * 0.0208351)))
+    ) / (2.0 * math.pi)  # fmt: skip
+    if abs(y) > abs(x):
+        angle = 0.25 - angle
+    if x < 0.0:
+        angle = 0.5 - angle
+    if y < 0.0:
+        angle = 1.0 - angle
+    return angle
 
 
 @compiled()
@@ -189,30 +229,6 @@ def _stride(vertices, query, cells, reach):
                 dz = vertices[other, 2] - pz
                 inside += dx * dx + dy * dy + dz * dz < reach * reach
     return 1 + inside // MOST_VOTES
-
-
-@compiled(inline="always")
-def _add(histogram, k, weight, azimuth, height, radius, cosine):
-    """Share one vote linearly between the two nearest bins of each of the four coordinates."""
-    at_azimuth = azimuth * AZIMUTHS
-    at_height = (min(1.0, max(-1.0, height)) + 1.0) * 0.5 * ELEVATIONS - 0.5
-    at_radius = radius * SHELLS - 0.5
-    at_cosine = (min(1.0, max(-1.0, cosine)) + 1.0) * 0.5 * COSINES - 0.5
-    a0, h0 = math.floor(at_azimuth), math.floor(at_height)
-    r0, c0 = math.floor(at_radius), math.floor(at_cosine)
-    for step_a in range(2):
-        a = (a0 + step_a) % AZIMUTHS
-        share_a = weight * (1.0 - abs(at_azimuth - a0 - step_a))
-        for step_h in range(2):
-            h = min(ELEVATIONS - 1, max(0, h0 + step_h))
-            share_h = share_a * (1.0 - abs(at_height - h0 - step_h))
-            for step_r in range(2):
-                r = min(SHELLS - 1, max(0, r0 + step_r))
-                share_r = share_h * (1.0 - abs(at_radius - r0 - step_r))
-                base = (h * SHELLS + r) * COSINES
-                for step_c in range(2):
-                    c = min(COSINES - 1, max(0, c0 + step_c))
-                    histogram[k, a, base + c] += share_r * (1.0 - abs(at_cosine - c0 - step_c))
 
 
 @compiled(nogil=True)

@@ -15,6 +15,7 @@ from sherd.arrays import Floats, Ints, Singles
 from sherd.mesh.geometry import face_cross
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.spectral.operators import stiffness
+from sherd.threads import over_rows
 
 __all__ = ["geodesic_directions", "smoothed_normals", "tangent_axes"]
 
@@ -84,16 +85,17 @@ def geodesic_directions(
     near
         Below this distance the chord is used.
     """
+    from sherd.descriptors.direction_kernel import Slopes, directions  # slow  # noqa: PLC0415
+
     side = np.cross(z_axes, x_axes)
     along = _sample_gradient(mesh, samples, x_axes)
     across = _sample_gradient(mesh, samples, side)
-    finite = np.where(np.isfinite(distances), distances, 0.0).T.astype(np.float64)
-    down_x, down_y = -(along @ finite), -(across @ finite)
-    chords = mesh.vertices[samples][None] - mesh.vertices[samples][:, None]
-    close = distances[:, samples].T < near
-    down_x = np.where(close, np.einsum("ijc,ic->ij", chords, x_axes), down_x)
-    down_y = np.where(close, np.einsum("ijc,ic->ij", chords, side), down_y)
-    angles: Singles = np.arctan2(down_y, down_x).astype(np.float32)
+    slopes = Slopes(along.indptr, along.indices, along.data, across.data)
+    angles = np.empty((len(samples), len(samples)), dtype=np.float32)
+    over_rows(
+        directions, len(samples), np.ascontiguousarray(mesh.vertices[samples]), samples, distances,
+        slopes, np.ascontiguousarray(x_axes), np.ascontiguousarray(side), near, angles,
+    )  # fmt: skip
     return angles
 
 

@@ -9,13 +9,13 @@ import numpy as np
 import robust_laplacian
 from scipy import sparse
 from scipy.sparse.linalg import LinearOperator, eigsh, splu
-from threadpoolctl import threadpool_limits
 
 from sherd.arrays import Floats, FrozenState, frozen
 from sherd.errors import OptionError
 from sherd.limits import require_memory
 from sherd.mesh.geometry import edge_lengths
 from sherd.mesh.triangle_mesh import TriangleMesh
+from sherd.threads import one_blas_thread
 from sherd.spectral.operators import stiffness
 
 __all__ = ["EigenBasis", "eigenbasis", "robust_operators"]
@@ -113,7 +113,7 @@ def eigenbasis(mesh: TriangleMesh, size: int) -> EigenBasis:
     require_memory(
         _memory(len(live), count), f"a basis of {count} eigenvectors", "ask for a smaller basis"
     )
-    with threadpool_limits(limits=1):
+    with one_blas_thread():
         values, vectors = _smallest_pairs(weak, mass, count)
     values = np.maximum(values, 0.0)
     defect = weak @ vectors - mass[:, None] * vectors * values

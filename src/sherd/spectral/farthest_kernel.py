@@ -1,4 +1,4 @@
-"""Compiled loop of the Euclidean farthest-point sampling; imported only when it is used."""
+"""Compiled loops of farthest-point sampling, in space and along a surface."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import numpy as np
 from sherd.arrays import Floats, Ints
 from sherd.compiled import compiled
 
-__all__ = ["farthest_points"]
+__all__ = ["farthest_along_paths", "farthest_points"]
 
 
 @compiled()
@@ -29,3 +29,85 @@ def farthest_points(points: Floats, count: int, start: int) -> Ints:
                 farthest, largest = row, nearest[row]
         current = farthest
     return chosen
+
+
+@compiled()
+def farthest_along_paths(starts, neighbors, lengths, ranks, count, start):
+    """Indices (count,) of vertices, each the farthest along paths from those before it.
+
+    Of vertices that no path reaches the one of lowest rank (n,) comes first; those of negative
+    rank are never taken. Neighbors of vertex i are `neighbors[starts[i]:starts[i + 1]]`. Each
+    sample corrects the distances around it only, as far as it is the nearest one (Dijkstra 1959).
+    """
+    size = len(ranks)
+    nearest, taken = np.full(size, np.inf), np.zeros(size, np.uint8)
+    heap, place = np.empty(size, np.int64), np.full(size, -1, np.int64)
+    chosen = np.empty(count, np.int64)
+    current = start
+    for step in range(count):
+        chosen[step] = current
+        taken[current] = 1
+        nearest[current] = 0.0
+        heap[0], place[current] = current, 0
+        filled = 1
+        while filled > 0:
+            vertex = heap[0]
+            place[vertex] = -1
+            filled -= 1
+            if filled > 0:
+                _sink(heap, place, nearest, heap[filled], filled)
+            for entry in range(starts[vertex], starts[vertex + 1]):
+                other = neighbors[entry]
+                distance = nearest[vertex] + lengths[entry]
+                if distance < nearest[other]:
+                    nearest[other] = distance
+                    if place[other] < 0:
+                        place[other] = filled
+                        filled += 1
+                    _rise(heap, place, nearest, other)
+        current = _farthest(nearest, taken, ranks)
+    return chosen
+
+
+@compiled()
+def _farthest(nearest, taken, ranks):
+    best, largest, rank = 0, -1.0, 0
+    for vertex in range(len(ranks)):
+        if taken[vertex] == 1 or ranks[vertex] < 0:
+            continue
+        value = nearest[vertex]
+        if value > largest or (value == np.inf and ranks[vertex] < rank):
+            best, largest, rank = vertex, value, ranks[vertex]
+    return best
+
+
+@compiled()
+def _rise(heap, place, keys, item):
+    """Move `item`, at its place in the heap, up to where it belongs."""
+    at = place[item]
+    while at > 0:
+        above = (at - 1) // 2
+        if keys[heap[above]] <= keys[item]:
+            break
+        heap[at] = heap[above]
+        place[heap[at]] = at
+        at = above
+    heap[at] = item
+    place[item] = at
+
+
+@compiled()
+def _sink(heap, place, keys, item, filled):
+    """Put `item` at the top of a heap of `filled` entries and move it down."""
+    at = 0
+    while 2 * at + 1 < filled:
+        below = 2 * at + 1
+        if below + 1 < filled and keys[heap[below + 1]] < keys[heap[below]]:
+            below += 1
+        if keys[item] <= keys[heap[below]]:
+            break
+        heap[at] = heap[below]
+        place[heap[at]] = at
+        at = below
+    heap[at] = item
+    place[item] = at

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
-import potpourri3d
 from numpy.typing import ArrayLike
 from scipy import sparse
 from scipy.sparse import csgraph
@@ -11,6 +12,8 @@ from scipy.sparse import csgraph
 from sherd.arrays import Floats, Ints
 from sherd.errors import InvalidMeshError
 from sherd.mesh.triangle_mesh import TriangleMesh
+from sherd.spectral.heat_flow import heat_flow
+from sherd.spectral.intrinsic import intrinsic_delaunay
 
 __all__ = ["Geodesics"]
 
@@ -29,7 +32,10 @@ class Geodesics:
 
     Notes
     -----
-    Error about 0.6 % of the distance on ordinary meshes; shortest edge paths are about 9 % long.
+    Triangles are intrinsic Delaunay, the time of the heat flow is the square of the mean edge.
+    Error one to two percent of the distance, a fifth of an edge nearby; shortest edge paths are
+    about 9 % long.
+    Many sources in one call share the work: on 10,000 vertices each takes a millisecond.
 
     References
     ----------
@@ -43,15 +49,10 @@ class Geodesics:
         self._local = np.full(self._count, -1, dtype=np.int64)
         self._local[self._used] = np.arange(len(self._used))
         self._edges = _edge_graph(mesh)
-        self.method = "heat"
-        try:
-            self._solver = potpourri3d.MeshHeatMethodDistanceSolver(
-                mesh.vertices[self._used] / mesh.length, self._local[mesh.faces]
-            )
-        except (RuntimeError, ValueError):
-            self._solver = None
-            self.method = "edge paths"
         self._unit = mesh.length
+        self._triangles = intrinsic_delaunay(mesh.vertices / self._unit, mesh.faces)
+        self._flow = heat_flow(self._triangles.renumbered(self._local), len(self._used))
+        self.method = "edge paths" if self._flow is None else "heat"
 
     @property
     def used_vertices(self) -> Ints:
@@ -63,36 +64,38 @@ class Geodesics:
         """(n,) component of each vertex, 0 the one with most vertices."""
         return self._labels
 
+    @cached_property
+    def paths(self) -> sparse.csr_array:
+        """(n, n) symmetric lengths, l, of edges and of straight lines across two triangles."""
+        steps = self._triangles.steps(self._count)
+        steps.data *= self._unit
+        return steps
+
     def distances_from(self, sources: ArrayLike) -> Floats:
         """Distance from each source vertex to every vertex, (s, n) l; inf if not connected."""
         indices = self._checked(sources)
-        rows = np.empty((len(indices), self._count))
-        for row, source in enumerate(indices):
-            rows[row] = self._from_set(np.array([source]))
-        return rows
+        return self._from_sets(indices, np.arange(len(indices) + 1))
 
     def distances_to_set(self, sources: ArrayLike) -> Floats:
         """Distance from every vertex to the nearest of the sources, (n,) l; inf if none."""
-        return self._from_set(self._checked(sources))
+        indices = np.unique(self._checked(sources))
+        return self._from_sets(indices, np.array([0, len(indices)]))[0]
 
-    def _from_set(self, sources: Ints) -> Floats:
-        distances = np.full(self._count, np.inf)
-        if len(sources) == 0:
-            return distances
-        reached = np.isin(self._labels, self._labels[sources])
-        local = self._local[sources]
-        if self._solver is not None and (local >= 0).all():
-            if len(local) == 1:
-                found = self._solver.compute_distance(int(local[0]))
-            else:
-                found = self._solver.compute_distance_multisource(local.tolist())
-            distances[self._used] = np.maximum(found, 0.0) * self._unit
-            distances[sources] = 0.0
-            distances[~reached] = np.inf
-            if np.isfinite(distances[reached]).all():
-                return distances
-        paths = csgraph.dijkstra(self._edges, indices=sources, directed=False, min_only=True)
-        return np.asarray(paths)
+    def _from_sets(self, members: Ints, starts: Ints) -> Floats:
+        """Distance (s, n) to the nearest of `members[starts[i]:starts[i + 1]]`."""
+        distances = np.full((len(starts) - 1, self._count), np.inf)
+        of_set = np.repeat(np.arange(len(distances)), np.diff(starts))
+        local = self._local[members]
+        if self._flow is not None and (local >= 0).all():
+            distances[:, self._used] = self._unit * self._flow.distances(local, starts)
+        distances[of_set, members] = 0.0
+        for row, found in enumerate(distances):
+            own = members[starts[row] : starts[row + 1]]
+            reached = np.isin(self._labels, self._labels[own])
+            found[~reached] = np.inf
+            if not np.isfinite(found[reached]).all():
+                found[:] = csgraph.dijkstra(self._edges, False, own, min_only=True)
+        return distances
 
     def _checked(self, sources: ArrayLike) -> Ints:
         indices = np.atleast_1d(np.asarray(sources, dtype=np.int64))

@@ -10,6 +10,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from sherd.arrays import Bools, Floats, Ints, Singles
+from sherd.descriptors.principal_spectra import PrincipalAxes, principal_axes
 from sherd.descriptors.rotation_shot import rotation_spectra, trusted_by_cut
 from sherd.descriptors.tangent_frames import smoothed_normals, tangent_axes
 from sherd.mesh.surface_finder import SurfaceFinder
@@ -34,6 +35,8 @@ LEAST_TRUST = 0.15
 AXIS_WIDTH = 0.012
 # Any direction will do for tangent axes; none of the coordinate axes, which shapes often follow.
 REFERENCE = np.array([1.0, 0.3, 0.2])
+# So many spectra are described before they are projected: 20 MB, instead of all at once.
+BLOCK = 4096
 # Stands for "no cut at all": longer than any geodesic that matters.
 NO_CUT = 9.0
 
@@ -46,6 +49,7 @@ class Known:
     cut_distance: Floats | None = None
     dense: Samples | None = None
     sparse: Samples | None = None
+    axes: PrincipalAxes | None = None
     spectra: Singles | None = None
 
 
@@ -189,22 +193,34 @@ class DescribedSurface:
         return trusted_by_cut(self.spectra_at(vertices), depth, RADII, LEAST_TRUST)
 
     @cached_property
+    def axes(self) -> PrincipalAxes:
+        """What spectra are projected to before they are compared with those of this surface."""
+        if self._known.axes is not None:
+            return self._known.axes
+        return principal_axes(self.spectra_at(self.dense.vertices))
+
+    @cached_property
     def spectra(self) -> Singles:
-        """(5, n, 2 c) rotation-searched SHOT of every vertex, in the frames of `cell_axes`."""
+        """(5, n, 2 k) rotation-searched SHOT of every vertex, in the frames of `cell_axes`.
+
+        Projected to `axes`.
+        """
         if self._known.spectra is not None:
             return self._known.spectra
-        everyone = np.arange(self.mesh.vertex_count)
-        return self._spectra(everyone, self.mesh.vertex_areas, self.cell_axes, self.normals)
+        return self._projected(np.arange(self.mesh.vertex_count), self.mesh.vertex_areas)
 
     def spectra_within(self, mask: Bools) -> Singles:
         """`spectra` as a surface sees them that covers `mask` (n,): only the area inside counts.
 
-        Vertices outside keep their ordinary spectra.
+        Vertices outside, and those that nothing is hidden from, keep their ordinary spectra.
         """
-        inside = np.flatnonzero(mask)
-        axes, normals = self.cell_axes[inside], self.normals[inside]
         spectra = self.spectra.copy()
-        spectra[:, inside] = self._spectra(inside, self.mesh.vertex_areas * mask, axes, normals)
+        inside = np.flatnonzero(mask)
+        hidden = self.mesh.vertices[~mask & (self.mesh.vertex_areas > 0)]
+        if len(hidden) and len(inside):
+            gap = cKDTree(hidden).query(self.mesh.vertices[inside])[0]
+            inside = inside[gap < max(RADII)]
+            spectra[:, inside] = self._projected(inside, self.mesh.vertex_areas * mask)
         return spectra
 
     def basis(self, size: int) -> EigenBasis:
@@ -212,6 +228,17 @@ class DescribedSurface:
         if size not in self._bases:
             self._bases[size] = eigenbasis(self.mesh, size)
         return self._bases[size]
+
+    def _projected(self, vertices: Ints, weights: Floats) -> Singles:
+        """(5, q, 2 k) spectra in the frames of `cell_axes`, a block at a time."""
+        blocks = np.array_split(vertices, max(1, -(-len(vertices) // BLOCK)))
+        found = [
+            self.axes.project(
+                self._spectra(block, weights, self.cell_axes[block], self.normals[block])
+            )
+            for block in blocks
+        ]
+        return np.concatenate(found, axis=1)
 
     def _spectra(self, vertices: Ints, weights: Floats, x_axes: Floats, z_axes: Floats) -> Singles:
         return rotation_spectra(

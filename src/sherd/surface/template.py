@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from sherd.arrays import Singles
+from sherd.descriptors.principal_spectra import PrincipalAxes
 from sherd.errors import InputError, MeshFileError
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.npz import arrays_npz
@@ -24,7 +25,7 @@ from sherd.surface.working import WorkingSurface, canonical, joined, working_sur
 __all__ = ["Template"]
 
 # Raise when what is saved changes its meaning.
-FORMAT = 3
+FORMAT = 4
 
 
 class Template(DescribedSurface):
@@ -102,7 +103,7 @@ class Template(DescribedSurface):
             "dense_vertices": self.dense.vertices,
             "dense_distances": _planes(self.dense.distances),
             "dense_directions": self.dense.directions,
-            "normals": self.normals, "spectra": self.spectra,
+            "normals": self.normals, "axes": self.axes.axes, "spectra": self.spectra,
         }  # fmt: skip
         write_bytes(path, arrays_npz(arrays, level=1))
 
@@ -144,6 +145,7 @@ class Template(DescribedSurface):
         mesh = TriangleMesh(content["mesh_vertices"], content["mesh_faces"], name=placed.name)
         known = Known(
             normals=content["normals"],
+            axes=PrincipalAxes(content["axes"]),
             spectra=content["spectra"],
             dense=Samples.of(
                 content["dense_vertices"],
@@ -158,7 +160,7 @@ class Template(DescribedSurface):
 
 _NAMES = {
     "format", "name", "vertices", "faces", "mesh_vertices", "mesh_faces", "dense_vertices",
-    "dense_distances", "dense_directions", "normals", "spectra",
+    "dense_distances", "dense_directions", "normals", "axes", "spectra",
 }  # fmt: skip
 
 
@@ -192,9 +194,11 @@ def _fit(content: dict[str, Any]) -> bool:
     spectra = content["spectra"]
     if spectra.ndim != 3 or spectra.shape[1] != vertices or count == 0:
         return False
+    if content["axes"].ndim != 3 or 2 * content["axes"].shape[2] != spectra.shape[2]:
+        return False
     if content["dense_distances"].dtype != np.uint8:
         return False
-    numbers = ("dense_directions", "normals", "spectra")
+    numbers = ("dense_directions", "normals", "axes", "spectra")
     if any(content[name].dtype.kind != "f" for name in numbers):
         return False
     return bool(labels.dtype.kind == "i" and 0 <= labels.min() <= labels.max() < vertices)

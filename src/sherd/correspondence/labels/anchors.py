@@ -19,7 +19,7 @@ from sherd.correspondence.labels.labeling import (
 )
 from sherd.correspondence.labels.labeling_data import State
 
-__all__ = ["find_anchors", "grown"]
+__all__ = ["find_anchors", "grown", "proposed_anchors"]
 
 
 # The right label is among the 30 most similar of 1,200 for nine nodes in ten of real cuts.
@@ -58,6 +58,19 @@ def find_anchors(
 
     `step` is the lack of similarity that costs one unit.
     """
+    best = proposed_anchors(problem, step=step, rounds=rounds)
+    other = grown(problem, best, _core(problem, best), step=step)
+    best = other if other.energy < best.energy else best
+    other = grown(problem, best, _far_from_cut(problem), step=step)
+    # Relabeling alone lowers the energy, but rather lets labels slide than finds better ones.
+    moved = problem.labels.between[best.labels, other.labels].max()
+    return other if other.energy < best.energy and moved > ELSEWHERE else best
+
+
+def proposed_anchors(
+    problem: Problem, *, step: float = SIMILARITY_STEP, rounds: int = ROUNDS
+) -> Labeling:
+    """Label the nodes in so many rounds, without growth; see :func:`find_anchors`."""
     similar, turn = _most_similar(problem)
     labels, rotations = similar, _at(turn, similar)
     best = solve(problem, labels, rotations, step=step)
@@ -71,12 +84,7 @@ def find_anchors(
             [best.rotations[:, None], proposed_turns, _at(turn, from_near), _at(turn, half)], axis=1
         )
         best = solve(problem, labels, rotations, step=step)
-    other = grown(problem, best, _core(problem, best), step=step)
-    best = other if other.energy < best.energy else best
-    other = grown(problem, best, _far_from_cut(problem), step=step)
-    # Relabeling alone lowers the energy, but rather lets labels slide than finds better ones.
-    moved = problem.labels.between[best.labels, other.labels].max()
-    return other if other.energy < best.energy and moved > ELSEWHERE else best
+    return best
 
 
 def grown(

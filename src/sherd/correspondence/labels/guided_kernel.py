@@ -21,6 +21,8 @@ __all__ = ["best_placed", "guided_turns"]
 
 # Geodesics longer than a limb's width say little about one point.
 GUIDE_LENGTH = 0.15
+# Farther than anything, and its square is still a number.
+FAR = np.float32(1e6)
 
 
 def best_placed(
@@ -53,7 +55,7 @@ def guided_turns(
 @compiled(nogil=True)
 def _best_placed(rows, nodes, guides, part, full, state, comparison, labels, costs):  # noqa: PLR0913
     for row in range(rows[0], rows[1]):
-        misfit = np.empty(full.between.shape[0])
+        misfit = np.empty(full.between.shape[0], np.float32)
         _misfits(nodes[row], guides[row], part, full, state, comparison, misfit)
         for rank in range(labels.shape[1]):
             best = np.argmin(misfit)
@@ -67,26 +69,28 @@ def _misfits(node, guides, part, full, state, comparison, misfit):
     between, directions = part
     label_distances, headings = full
     labels, rotations = state
-    limit = comparison.limit
-    misfit[:] = 0.0
+    one, zero, half = np.float32(1.0), np.float32(0.0), np.float32(0.5)
+    shorter, longer = np.float32(comparison.limit), np.float32(comparison.longer_limit)
+    factor = np.float32(2.0 / comparison.angle_sigma**2)
+    misfit[:] = zero
     for guide in guides:
         if guide < 0:
             break
-        length = between[node, guide]
+        length = np.float32(between[node, guide])
         if length == np.inf:
             continue
-        near = 1.0 / (1.0 + (length / GUIDE_LENGTH) ** 2)
-        scale = 1.0 / (comparison.length_sigma + comparison.stretch_sigma * length)
+        near = np.float32(1.0 / (1.0 + (length / GUIDE_LENGTH) ** 2))
+        scale = np.float32(1.0 / (comparison.length_sigma + comparison.stretch_sigma * length))
         distances, there = label_distances[labels[guide]], headings[labels[guide]]
         angle = directions[guide, node] - rotations[guide]
-        along, across = math.cos(angle), math.sin(angle)
+        along, across = np.float32(math.cos(angle)), np.float32(math.sin(angle))
         for label in range(len(misfit)):
-            off = (distances[label] - length) * scale
-            square = min(off * off, 1e12)  # labels on other components are infinitely far
-            agreement = along * there[label, 0] + across * there[label, 1]
-            turn = 2.0 * (1.0 - agreement) / comparison.angle_sigma**2
-            length_limit = comparison.longer_limit if off > 0.0 else limit
-            cost = square / (1.0 + square / length_limit) + 0.5 * turn / (1.0 + turn / limit)
+            # labels on other components are infinitely far
+            distance = distances[label] if distances[label] < FAR else FAR
+            off = (distance - length) * scale
+            turn = (one - along * there[label, 0] - across * there[label, 1]) * factor
+            limit = longer if off > zero else shorter
+            cost = off * off / (one + off * off / limit) + half * turn / (one + turn / shorter)
             misfit[label] += near * cost
 
 

@@ -17,10 +17,14 @@ from sherd.threads import over_rows
 __all__ = ["labeling_costs", "pass_messages"]
 
 
+# Labels on other components are infinitely far; this far costs the limit as well.
+FAR = np.float32(1e6)
+
+
 @compiled(inline="always")
 def _robust(squared, limit):
     """Geman-McClure: like `squared` near zero, never above `limit`."""
-    return squared / (1.0 + squared / limit)
+    return squared / (np.float32(1.0) + squared / limit)
 
 
 def labeling_costs(
@@ -62,45 +66,75 @@ def labeling_costs(
 def _labeling_costs(  # noqa: PLR0913
     rows, edges, measures, labels, rotations, directions, full, comparison, costs
 ):
+    # what lies scattered in memory is gathered first: then the loops run in vector lanes
     distances, headings = full
-    limit = comparison.limit
-    factor = 1.0 / (comparison.angle_sigma * comparison.angle_sigma)
     count = labels.shape[1]
+    off, fit = np.empty(count, np.float32), np.empty(count, np.float32)
+    back = np.empty((count, 2), np.float32)
+    turned = np.empty((2, count), np.float32)
     for edge in range(rows[0], rows[1]):
         first, second = edges[edge]
         length, lower = measures.length[edge], measures.lower[edge]
-        equality, weight = measures.equality[edge], measures.weight[edge]
         turn = measures.turn[edge]
-        scale = 1.0 / (comparison.length_sigma + comparison.stretch_sigma * length)
-        back_x = np.cos(directions[edge, 1] - rotations[second])
-        back_y = np.sin(directions[edge, 1] - rotations[second])
+        scale = np.float32(1.0 / (comparison.length_sigma + comparison.stretch_sigma * length))
+        bound = np.float32((length - lower) * scale)
+        for b in range(count):
+            angle = directions[edge, 1] - rotations[second, b]
+            back[b, 0], back[b, 1] = math.cos(angle), math.sin(angle)
         for a in range(count):
             at = labels[first, a]
-            out = directions[edge, 0] - rotations[first, a]
-            out_x, out_y = math.cos(out), math.sin(out)
+            here = distances[at]
             for b in range(count):
-                to = labels[second, b]
-                distance = distances[at, to]
-                off = (distance - length) * scale
-                length_limit = comparison.longer_limit if off > 0.0 else limit
-                cost = _robust(off * off, length_limit)
-                if equality < 1.0:
-                    # a path along the cut may be longer than on the full shape, never shorter
-                    beyond = max(off, 0.0) + max((lower - distance) * scale, 0.0)
-                    bounded = _robust(beyond * beyond, length_limit)
-                    cost = equality * cost + (1.0 - equality) * bounded
-                if turn > 0.0:
-                    if at == to:
-                        cost += turn * limit
-                    else:
-                        u = out_x * headings[at, to, 0] + out_y * headings[at, to, 1]
-                        v = back_x[b] * headings[to, at, 0] + back_y[b] * headings[to, at, 1]
-                        u, v = 2.0 - 2.0 * u, 2.0 - 2.0 * v
-                        cost += turn * (_robust(u * factor, limit) + _robust(v * factor, limit))
-                costs[edge, a, b] = weight * cost
+                off[b] = (min(here[labels[second, b]], FAR) - np.float32(length)) * scale
+            _length_costs(off, measures.equality[edge], bound, comparison, fit)
+            if turn > 0.0:
+                angle = directions[edge, 0] - rotations[first, a]
+                x, y = np.float32(math.cos(angle)), np.float32(math.sin(angle))
+                there = headings[at]
+                for b in range(count):
+                    to = labels[second, b]
+                    u = x * there[to, 0] + y * there[to, 1]
+                    v = back[b, 0] * headings[to, at, 0] + back[b, 1] * headings[to, at, 1]
+                    # at one and the same place there is no direction, and all are wrong
+                    turned[0, b] = np.float32(-1e6) if at == to else u
+                    turned[1, b] = np.float32(-1e6) if at == to else v
+                _add_turn_costs(turned, turn, comparison, fit)
+            weight = np.float32(measures.weight[edge])
+            for b in range(count):
+                costs[edge, a, b] = weight * fit[b]
 
 
 @compiled()
+def _length_costs(off, equality, bound, comparison, fit):
+    """Write what lengths cost that are longer by `off` sigmas; `bound` below it they cost twice."""
+    zero = np.float32(0.0)
+    shorter, longer = np.float32(comparison.limit), np.float32(comparison.longer_limit)
+    if equality >= 1.0:
+        for b in range(len(off)):
+            limit = longer if off[b] > zero else shorter
+            fit[b] = _robust(off[b] * off[b], limit)
+        return
+    # a path along the cut may be longer than on the full shape, never shorter
+    equal, rest = np.float32(equality), np.float32(1.0 - equality)
+    for b in range(len(off)):
+        limit = longer if off[b] > zero else shorter
+        below = -bound - off[b]
+        beyond = (off[b] if off[b] > zero else zero) + (below if below > zero else zero)
+        fit[b] = equal * _robust(off[b] * off[b], limit) + rest * _robust(beyond * beyond, limit)
+
+
+@compiled()
+def _add_turn_costs(turned, turn, comparison, fit):
+    """Add what directions cost whose cosines are `turned` (2, k)."""
+    limit, two = np.float32(comparison.limit), np.float32(2.0)
+    factor = np.float32(1.0 / (comparison.angle_sigma * comparison.angle_sigma))
+    share = np.float32(turn)
+    for b in range(len(fit)):
+        u, v = two - two * turned[0, b], two - two * turned[1, b]
+        fit[b] += share * (_robust(u * factor, limit) + _robust(v * factor, limit))
+
+
+@compiled(nogil=True)
 def pass_messages(edges, costs, unary, pointers, incident, rounds):
     """Labels (nodes,) of low total cost by tree-reweighted message passing, and the cost.
 
@@ -123,7 +157,7 @@ def pass_messages(edges, costs, unary, pointers, incident, rounds):
             later += 1 if edges[incident[entry], 0] == node else 0
         earlier = pointers[node + 1] - pointers[node] - later
         share[node] = 1.0 / max(later, earlier, 1)
-    total = np.empty(count, np.float32)
+    total, rest = np.empty(count, np.float32), np.empty(count, np.float32)
     for sweep in range(2 * rounds):
         ahead = sweep % 2 == 0
         for step in range(nodes):
@@ -132,9 +166,11 @@ def pass_messages(edges, costs, unary, pointers, incident, rounds):
             for entry in range(pointers[node], pointers[node + 1]):
                 edge = incident[entry]
                 if ahead and edges[edge, 0] == node:
-                    _send(costs[edge], share[node] * total - backward[edge], forward[edge])
+                    _remaining(total, share[node], backward[edge], rest)
+                    _send(costs[edge], rest, forward[edge])
                 elif not ahead and edges[edge, 1] == node:
-                    _send(turned[edge], share[node] * total - forward[edge], backward[edge])
+                    _remaining(total, share[node], forward[edge], rest)
+                    _send(turned[edge], rest, backward[edge])
     return _decode(edges, costs, unary, pointers, incident, backward)
 
 
@@ -144,20 +180,45 @@ def _gather(node, edges, unary, pointers, incident, messages, total):
     total[:] = unary[node]
     for entry in range(pointers[node], pointers[node + 1]):
         edge = incident[entry]
-        if edges[edge, 0] == node:
-            total += backward[edge]
-        else:
-            total += forward[edge]
+        message = backward[edge] if edges[edge, 0] == node else forward[edge]
+        for a in range(len(total)):
+            total[a] += message[a]
+
+
+@compiled()
+def _remaining(total, share, message, rest):
+    for a in range(len(total)):
+        rest[a] = share * total[a] - message[a]
 
 
 @compiled()
 def _send(cost, rest, message):
     """`message[b] = min over a of rest[a] + cost[a, b]`, shifted so that its minimum is 0."""
-    message[:] = np.inf
-    for a in range(cost.shape[0]):
-        for b in range(cost.shape[1]):
-            message[b] = min(message[b], rest[a] + cost[a, b])
-    message -= message.min()
+    count = len(message)
+    for b in range(count):
+        message[b] = rest[0] + cost[0, b]
+    # four rows at a time: to read and write the message takes longer than to compare; and not
+    # `min`, whose care for NaN keeps it out of vector lanes
+    for a in range(1, count - 3, 4):
+        p, q, r, s = cost[a], cost[a + 1], cost[a + 2], cost[a + 3]
+        at_p, at_q, at_r, at_s = rest[a], rest[a + 1], rest[a + 2], rest[a + 3]
+        for b in range(count):
+            first, second = at_p + p[b], at_q + q[b]
+            third, fourth = at_r + r[b], at_s + s[b]
+            first = second if second < first else first
+            third = fourth if fourth < third else third
+            first = third if third < first else first
+            message[b] = first if first < message[b] else message[b]
+    for a in range(1 + 4 * ((count - 1) // 4), count):
+        own = rest[a]
+        for b in range(count):
+            value = own + cost[a, b]
+            message[b] = value if value < message[b] else message[b]
+    least = message[0]
+    for b in range(len(message)):
+        least = message[b] if message[b] < least else least
+    for b in range(len(message)):
+        message[b] -= least
 
 
 @compiled()
