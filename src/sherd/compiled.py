@@ -34,8 +34,11 @@ _settings = threading.Lock()
 def compiled(**options: Any) -> Callable[[Callable[..., Any]], Any]:
     """Decorate a function to be compiled by :func:`numba.njit` with `options`, cached if possible.
 
+    It runs beside other threads: none of ours touches Python's objects.
     Where no folder can be written it is compiled anew in every process.
     """
+
+    options = {"nogil": True, **options}
 
     def decorate(function: Callable[..., Any]) -> Any:
         folder = cache_folder()

@@ -32,7 +32,7 @@ __all__ = ["STAGES", "locate", "locate_one_side"]
 
 # Of the default method.
 STAGES = (
-    "eigenbasis", "samples", "descriptors", "votes", "region", "alternatives", "numbering",
+    "samples", "descriptors", "eigenbasis", "votes", "region", "alternatives", "numbering",
 )  # fmt: skip
 
 

@@ -51,7 +51,7 @@ def softened(elastic: ElasticSurface, strain: Floats) -> ElasticSurface:
     return elastic._replace(weights=weights)
 
 
-@compiled(nogil=True)
+@compiled()
 def _fit_rotations(rows, elastic, positions, rotations):
     pointers, neighbors, weights, rest = elastic
     for i in range(rows[0], rows[1]):
@@ -79,7 +79,9 @@ def _closest_rotation(a, rotation):
             norm += a[r, c] * a[r, c]
     norm = math.sqrt(norm)
     if norm == 0.0:
-        rotation[:] = np.eye(3)
+        for r in range(3):
+            for c in range(3):
+                rotation[r, c] = 1.0 if r == c else 0.0
         return
     h = np.empty((4, 4))
     _horn(a, norm, h)
@@ -99,9 +101,10 @@ def _closest_rotation(a, rotation):
     if size < SMALLEST_GAP * SMALLEST_GAP:
         for k in range(4):
             h[k, k] += top
-        w, x, y, z = np.linalg.eigh(h)[1][:, 3]
-    else:
-        w, x, y, z = quaternion[best] / math.sqrt(size)
+        best, size = _top_eigenvector(h, quaternion), 1.0
+    size = math.sqrt(size)
+    w, x = quaternion[best, 0] / size, quaternion[best, 1] / size
+    y, z = quaternion[best, 2] / size, quaternion[best, 3] / size
     rotation[0, 0] = w * w + x * x - y * y - z * z
     rotation[1, 1] = w * w - x * x + y * y - z * z
     rotation[2, 2] = w * w - x * x - y * y + z * z
@@ -113,7 +116,10 @@ def _closest_rotation(a, rotation):
 @compiled()
 def _horn(a, norm, h):
     """Horn's symmetric matrix (4, 4) of a (3, 3), over its norm."""
-    s = a.T / norm
+    s = np.empty((3, 3))
+    for r in range(3):
+        for c in range(3):
+            s[r, c] = a[c, r] / norm
     h[0, 0] = s[0, 0] + s[1, 1] + s[2, 2]
     h[1, 1] = s[0, 0] - s[1, 1] - s[2, 2]
     h[2, 2] = -s[0, 0] + s[1, 1] - s[2, 2]
@@ -147,6 +153,39 @@ def _largest_root(h):
         if abs(step) < 1e-14 * x:
             break
     return x
+
+
+@compiled()
+def _top_eigenvector(h, vectors):
+    """Row of `vectors` (4, 4) with the unit eigenvector of the largest eigenvalue of h (4, 4).
+
+    Cyclic Jacobi rotations, which leave the eigenvalues on the diagonal of h: Golub and Van Loan,
+    *Matrix computations*, 2013, section 8.5.3. LAPACK's solver takes seconds to compile.
+    """
+    for k in range(4):
+        for j in range(4):
+            vectors[k, j] = 1.0 if k == j else 0.0
+    for _ in range(12):  # they converge quadratically, after five sweeps or six
+        for p in range(3):
+            for q in range(p + 1, 4):
+                if h[p, q] == 0.0:
+                    continue
+                tau = 0.5 * (h[q, q] - h[p, p]) / h[p, q]
+                t = (1.0 if tau >= 0.0 else -1.0) / (abs(tau) + math.hypot(1.0, tau))
+                c = 1.0 / math.hypot(1.0, t)
+                s = t * c
+                for k in range(4):
+                    at_p, at_q = h[k, p], h[k, q]
+                    h[k, p], h[k, q] = c * at_p - s * at_q, s * at_p + c * at_q
+                for k in range(4):
+                    at_p, at_q = h[p, k], h[q, k]
+                    h[p, k], h[q, k] = c * at_p - s * at_q, s * at_p + c * at_q
+                    at_p, at_q = vectors[p, k], vectors[q, k]
+                    vectors[p, k], vectors[q, k] = c * at_p - s * at_q, s * at_p + c * at_q
+    best = 0
+    for k in range(1, 4):
+        best = k if h[k, k] > h[best, best] else best
+    return best
 
 
 @compiled(inline="always")
@@ -268,7 +307,7 @@ def _precondition(i, inverse, residual, out):
     return t0 * x0 + t1 * x1 + t2 * x2
 
 
-@compiled(nogil=True)
+@compiled()
 def _strains(rows, elastic, positions, rotations, result):
     pointers, neighbors, weights, rest = elastic
     for i in range(rows[0], rows[1]):
@@ -284,7 +323,7 @@ def _strains(rows, elastic, positions, rotations, result):
         result[i] = math.sqrt(moved / size)
 
 
-@compiled(nogil=True)
+@compiled()
 def _softened(rows, elastic, strain, result):
     pointers, neighbors, weights, _ = elastic
     for i in range(rows[0], rows[1]):

@@ -77,4 +77,6 @@ def node_similarity(
     full = question.full
     members = full.dense.members
     spectra = (full.spectra if inside is None else inside)[:, members]
-    return pooled_similarity(spectra, full.axes.project(node_spectra), full.dense.cells[members], len(full.dense))
+    return pooled_similarity(
+        spectra, full.axes.project(node_spectra), full.dense.cells[members], len(full.dense)
+    )

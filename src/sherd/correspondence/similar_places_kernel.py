@@ -44,24 +44,26 @@ class Spectra(NamedTuple):
     waves: Singles
 
 
-@compiled(nogil=True)
+@compiled()
 def most_alike(  # noqa: PLR0913
     rows, here, nearest, cells, sheet, spectra, reach, targets, confidence, similarity
 ):
     """Write targets, confidence and similarity; see :func:`similar_places`."""
     vertices, normals, areas = sheet
     full_spectra, part_spectra, waves = spectra
+    mean = np.empty(3)
     for row in range(rows[0], rows[1]):
         near = vertices_in_ball(here[row], reach, vertices, cells)
         if len(near) == 0:
             near = nearest[row : row + 1]
-        near = near[:: 1 + len(near) // MOST_PLACES]
-        count = len(near)
-        score, offset = np.full(count, -np.inf), np.empty((count, 3))
+        stride = 1 + len(near) // MOST_PLACES
+        count = 1 + (len(near) - 1) // stride
+        score, offset = np.empty(count), np.empty((count, 3))
         up = normals[nearest[row]]
         best, alike = -np.inf, -np.inf
         for k in range(count):
-            vertex = near[k]
+            vertex = near[k * stride]
+            score[k] = -np.inf
             distance, agreement = 0.0, 0.0
             for axis in range(3):
                 offset[k, axis] = vertices[vertex, axis] - here[row, axis]
@@ -75,20 +77,23 @@ def most_alike(  # noqa: PLR0913
             score[k] = value - 0.5 * SOFTNESS * distance / (0.6 * reach) ** 2
             best = max(best, score[k])
         if best == -np.inf:  # a ball on another sheet only
-            offset[0], score[0], best = vertices[nearest[row]] - here[row], 0.0, 0.0
+            score[0], best = 0.0, 0.0
+            for axis in range(3):
+                offset[0, axis] = vertices[nearest[row], axis] - here[row, axis]
             alike = similarity_of_two(full_spectra, nearest[row], part_spectra, row, waves)
         total, spread = 0.0, 0.0
-        mean = np.zeros(3)
+        mean[0], mean[1], mean[2] = 0.0, 0.0, 0.0
         for k in range(count):
-            score[k] = math.exp((score[k] - best) / SOFTNESS) * areas[near[k]]
+            score[k] = math.exp((score[k] - best) / SOFTNESS) * areas[near[k * stride]]
             total += score[k]
             for axis in range(3):
                 mean[axis] += score[k] * offset[k, axis]
-        mean /= max(total, 1e-300)
+        for axis in range(3):
+            mean[axis] /= max(total, 1e-300)
+            targets[row, axis] = here[row, axis] + mean[axis]
         for k in range(count):
             for axis in range(3):
                 spread += score[k] * (offset[k, axis] - mean[axis]) ** 2
         spread /= max(total, 1e-300)
-        targets[row] = here[row] + mean
         confidence[row] = 1.0 / (1.0 + spread / SPREAD**2)
         similarity[row] = alike

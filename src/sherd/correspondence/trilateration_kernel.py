@@ -34,7 +34,7 @@ class Members(NamedTuple):
 # First the best cells by the costs of their labels, then the best vertex in them: a twelfth of the
 # work of comparing all vertices. The cost changes little within a cell, so the best vertex is
 # in one of the best cells.
-@compiled(nogil=True)
+@compiled()
 def trilaterate(rows, near, length, labels, between, to_vertices, members, result):
     """Write the vertex (n',) of least cost for the lengths (n', a) to the nodes `near`."""
     pointers = members.pointers

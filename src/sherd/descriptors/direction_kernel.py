@@ -23,7 +23,7 @@ class Slopes(NamedTuple):
     across: Floats
 
 
-@compiled(nogil=True)
+@compiled()
 def directions(  # noqa: PLR0913
     rows, places, samples, distances, slopes, x_axes, y_axes, near, angles
 ):

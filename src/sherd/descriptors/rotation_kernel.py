@@ -12,13 +12,13 @@ import numpy as np
 from sherd.compiled import compiled
 from sherd.descriptors.shot_kernel import AZIMUTHS, BINS, vote
 
-__all__ = ["FREQUENCIES", "describe", "pool_cells", "similarity_of_two"]
+__all__ = ["FREQUENCIES", "best_rotation", "describe", "pool_cells", "similarity_of_two"]
 
 FREQUENCIES = AZIMUTHS // 2 + 1
 
 
 # Each histogram becomes a spectrum at once: all of them together would be four times the result.
-@compiled(nogil=True)
+@compiled()
 def describe(  # noqa: PLR0913
     rows, vertices, normals, weights, queries, x_axes, z_axes, radii, cells, waves, result
 ):
@@ -44,21 +44,40 @@ def describe(  # noqa: PLR0913
                         result[frequency, row, start + entry] = total[entry]
 
 
-@compiled(nogil=True, fastmath={"reassoc", "contract"})
+@compiled()
 def pool_cells(rows, parts, cells, waves, result):
     """Maximum over the vertices of each cell of the similarity at each rotation."""
     shifts = waves.shape[1]
+    totals = np.empty(shifts, np.float32)
     for row in range(rows[0], rows[1]):
         result[row] = np.float32(-1.0)
         for vertex in range(len(cells)):
-            cell = cells[vertex]
-            if cell < 0:
-                continue
+            best = result[row, cells[vertex]]
+            totals[:] = np.float32(0.0)
+            for wave in range(AZIMUTHS):
+                share, turned = parts[wave, row, vertex], waves[wave]
+                for shift in range(shifts):
+                    totals[shift] += share * turned[shift]
             for shift in range(shifts):
-                total = np.float32(0.0)
-                for wave in range(AZIMUTHS):
-                    total += parts[wave, row, vertex] * waves[wave, shift]
-                result[row, cell, shift] = max(result[row, cell, shift], total)
+                best[shift] = totals[shift] if totals[shift] > best[shift] else best[shift]
+
+
+@compiled()
+def best_rotation(rows, parts, waves, result):
+    """Similarity (q, n) at the rotation where it is largest."""
+    shifts = waves.shape[1]
+    totals = np.empty(shifts, np.float32)
+    for row in range(rows[0], rows[1]):
+        for vertex in range(result.shape[1]):
+            totals[:] = np.float32(0.0)
+            for wave in range(AZIMUTHS):
+                share, turned = parts[wave, row, vertex], waves[wave]
+                for shift in range(shifts):
+                    totals[shift] += share * turned[shift]
+            best = totals[0]
+            for shift in range(1, shifts):
+                best = totals[shift] if totals[shift] > best else best
+            result[row, vertex] = best
 
 
 # Sums may be regrouped into vector lanes: the same on every run, and four times faster.

@@ -18,13 +18,14 @@ votes weighted by vertex area (meshing cancels), several radii.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sherd.arrays import Floats, Ints, Singles
-from sherd.descriptors.rotation_kernel import FREQUENCIES, describe, pool_cells
+from sherd.descriptors.rotation_kernel import FREQUENCIES, best_rotation, describe, pool_cells
 from sherd.descriptors.shot_kernel import AZIMUTHS, BINS
 from sherd.mesh.vertex_cells_kernel import sorted_into_cells
 from sherd.threads import one_blas_thread, over_rows, thread_count
@@ -74,7 +75,7 @@ def rotation_spectra(
     result = np.empty((FREQUENCIES, len(queries), 2 * len(radii) * BINS), dtype=np.float32)
     over_rows(
         describe, len(queries), np.ascontiguousarray(vertices), np.ascontiguousarray(normals),
-        weights, queries, np.ascontiguousarray(x_axes), np.ascontiguousarray(z_axes),
+        np.array(weights), queries, np.ascontiguousarray(x_axes), np.ascontiguousarray(z_axes),
         np.array(radii), cells, _wave_table(), result,
     )  # fmt: skip
     return result
@@ -128,14 +129,10 @@ def mirrored_spectra(spectra: Singles) -> Singles:
 
 def similarity(full_spectra: Singles, part_spectra: Singles) -> Singles:
     """Similarity (q, n) of each part point with each full vertex, best over rotation."""
-    count, vertices = part_spectra.shape[1], full_spectra.shape[1]
-    everyone = np.arange(vertices)
-    result = np.empty((count, vertices), dtype=np.float32)
-    block = max(1, int(1e6) // vertices)  # rows whose rotations fit into 64 MB
-    for start in range(0, count, block):
-        rows = slice(start, min(start + block, count))
-        found = pooled_similarity(full_spectra, part_spectra[:, rows], everyone, vertices)
-        found.max(axis=2, out=result[rows])
+    result = np.empty((part_spectra.shape[1], full_spectra.shape[1]), dtype=np.float32)
+    waves = shift_table()
+    for rows, parts in _compared(full_spectra, part_spectra):
+        over_rows(best_rotation, parts.shape[1], parts, waves, result[rows])
     return result
 
 
@@ -146,20 +143,29 @@ def pooled_similarity(
 
     Entry (i, l, s) compares at rotation `2 pi s / shifts`: the angle of a direction in the frame
     of part point i minus the angle of the same direction in the frame of the full vertex.
+    """
+    result = np.empty((part_spectra.shape[1], cell_count, shifts), dtype=np.float32)
+    waves = shift_table(shifts)
+    for rows, parts in _compared(full_spectra, part_spectra):
+        over_rows(pool_cells, parts.shape[1], parts, cells, waves, result[rows])
+    return result
+
+
+def _compared(full_spectra: Singles, part_spectra: Singles) -> Iterator[tuple[slice, Singles]]:
+    """Slices of the part points, and the 8 numbers (8, q', n) that rotations are made from.
+
     Blocks keep the memory near 100 MB; one BLAS thread for each product keeps the bits independent
     of the number of cores.
     """
-    count = part_spectra.shape[1]
-    waves = shift_table(shifts)
-    result = np.empty((count, cell_count, shifts), dtype=np.float32)
-    block = max(1, int(3e6) // max(len(cells), 1))
+    count, vertices = part_spectra.shape[1], full_spectra.shape[1]
+    block = max(1, int(3e6) // max(vertices, 1))
     half = part_spectra.shape[2] // 2
     widths = [2 * half if k in _IMAGINARY else half for k in _REAL]
     turned = np.concatenate([part_spectra[:, :, half:], -part_spectra[:, :, :half]], axis=2)
     with one_blas_thread(), ThreadPoolExecutor(thread_count()) as pool:
         for start in range(0, count, block):
             rows = slice(start, min(start + block, count))
-            parts = np.empty((AZIMUTHS, rows.stop - start, len(cells)), dtype=np.float32)
+            parts = np.empty((AZIMUTHS, rows.stop - start, vertices), dtype=np.float32)
             products: list[tuple[Singles, Singles, Singles]] = [
                 (part_spectra[k, rows, :width], full_spectra[k, :, :width].T, parts[k])
                 for k, width in zip(_REAL, widths, strict=True)
@@ -168,8 +174,7 @@ def pooled_similarity(
                 (turned[k, rows], full_spectra[k].T, parts[FREQUENCIES + k - 1]) for k in _IMAGINARY
             ]
             list(pool.map(lambda product: np.matmul(product[0], product[1], product[2]), products))
-            over_rows(pool_cells, parts.shape[1], parts, cells, waves, result[rows])
-    return result
+            yield rows, parts
 
 
 def shift_table(shifts: int = 16) -> Singles:

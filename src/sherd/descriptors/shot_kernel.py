@@ -103,7 +103,7 @@ def neighborhood_moments(
     return covariance, mean
 
 
-@compiled(nogil=True)
+@compiled()
 def _vote_all(  # noqa: PLR0913
     rows, vertices, normals, weights, queries, x_axes, z_axes, radii, cells, histograms
 ):
@@ -231,7 +231,7 @@ def _stride(vertices, query, cells, reach):
     return 1 + inside // MOST_VOTES
 
 
-@compiled(nogil=True)
+@compiled()
 def _moments(rows, vertices, weights, queries, radius, cells, covariance, mean):
     """Sum the first and second moments of the neighbors of each query."""
     order, starts, origin, size, shape = cells

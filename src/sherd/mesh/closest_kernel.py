@@ -22,7 +22,7 @@ def closest_on_faces(
     over_rows(_closest_on_faces, len(positions), positions, near, corners, penalty, faces, weights)
 
 
-@compiled(nogil=True)
+@compiled()
 def _closest_on_faces(rows, positions, near, corners, penalty, faces, weights):
     for row in range(rows[0], rows[1]):
         best = np.inf

@@ -8,6 +8,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from sherd.arrays import Bools, Floats, Ints, Singles
+from sherd.descriptors.principal_spectra import principal_axes
 from sherd.descriptors.rotation_shot import mirrored_spectra, similarity
 from sherd.energy.cleanup import clean_region
 from sherd.energy.logistic import LogisticOptions, LogisticRegion, logistic_regions
@@ -24,6 +25,7 @@ from sherd.spectral.basis import EigenBasis
 from sherd.spectral.sampling import farthest_point_sample_euclidean
 from sherd.surface.described import LEAST_TRUST, RADII, DescribedSurface
 from sherd.surface.samples import Samples
+from sherd.threads import begun
 
 __all__ = ["locate_by_voting"]
 
@@ -33,6 +35,8 @@ GROUP_COUNT = 32
 # Candidates lie 0.013 apart, a third of the smallest radius, so that one of them sees nearly what
 # the best vertex would see.
 CANDIDATE_COUNT = 6000
+# A fifth of the candidates, as many as there are labels in matching, tell what spectra look like.
+AXES_STEP = 5
 # An alternative that shares this much of the best region's votes is the same placement.
 SAME_PLACE = 0.5
 # One start costs little, so the rounds may take as long as small parts with long borders need.
@@ -77,13 +81,14 @@ def locate_by_voting(
     """Locate `part` on `full`; see :func:`sherd.locate`."""
     mesh = full.mesh
     fraction = min(part.mesh.area, mesh.area)
-    with stages("eigenbasis"):
-        basis = full.basis(options.basis_size)
+    eigenvectors = begun(lambda: full.basis(options.basis_size))
     with stages("samples"):
         samples = part.sparse
         candidates = _candidates(mesh)
     with stages("descriptors"):
         similarities = _compared(full, part, candidates)
+    with stages("eigenbasis"):
+        basis = eigenvectors()
     poll = _Poll(
         mesh,
         basis,
@@ -93,11 +98,16 @@ def locate_by_voting(
     )
     with stages("votes"):
         place = poll.vote(similarities.direct)
+    drawing = _Drawing(mesh, basis, fraction, chosen_weights(options, basis, fraction))
+    twin = begun(lambda: _Sketch.of(poll.vote(similarities.mirrored), drawing, mirrored=True))
     with stages("region"):
-        drawing = _Drawing(mesh, basis, fraction, chosen_weights(options, basis, fraction))
         best, mask = drawing.region(place, FINAL)
     with stages("alternatives"):
-        others = _alternatives(similarities, poll, mask, drawing)
+        sketches = [twin()]
+        if mesh.vertex_areas[~mask].sum() >= fraction:
+            elsewhere = poll.vote(similarities.direct, forbidden=mask)
+            sketches.append(_Sketch.of(elsewhere, drawing, mirrored=False))
+        others = _alternatives(sketches, mask, mesh.vertex_areas)
     return Found(
         best=Placement(mask=mask, membership=best.membership, score=place.score),
         alternatives=others,
@@ -125,11 +135,9 @@ def _compared(full: DescribedSurface, part: DescribedSurface, candidates: Ints) 
     """
     full_spectra = full.spectra_at(candidates)
     samples = part.sparse.vertices
-    part_spectra = part.trusted_spectra(samples)
-    return Similarities(
-        similarity(full_spectra, part_spectra),
-        similarity(full_spectra, mirrored_spectra(part_spectra)),
-    )
+    axes = principal_axes(full_spectra[:, ::AXES_STEP])
+    seen, sought = axes.project(full_spectra), axes.project(part.trusted_spectra(samples))
+    return Similarities(similarity(seen, sought), similarity(seen, mirrored_spectra(sought)))
 
 
 def _geometry(
@@ -195,29 +203,6 @@ class _Poll:
         )
 
 
-def _alternatives(
-    similarities: Similarities, poll: _Poll, mask: Bools, drawing: _Drawing
-) -> tuple[Placement, ...]:
-    """The mirrored twin and the best place outside the best region, if they are other places."""
-    areas = poll.full.vertex_areas
-    candidates = [(poll.vote(similarities.mirrored), True)]
-    if areas[~mask].sum() >= drawing.part_area:
-        candidates.append((poll.vote(similarities.direct, forbidden=mask), False))
-    found = []
-    for place, mirrored in candidates:
-        region, outline = drawing.region(place, SKETCH)
-        if areas[mask & outline].sum() < SAME_PLACE * areas[mask].sum():
-            found.append(
-                Placement(
-                    mask=outline,
-                    membership=region.membership,
-                    score=place.score,
-                    mirrored=mirrored,
-                )
-            )
-    return tuple(sorted(found, key=lambda placement: -placement.score))
-
-
 @dataclass(frozen=True, eq=False)
 class _Drawing:
     """Draws the region of least energy for given votes."""
@@ -247,3 +232,33 @@ class _Drawing:
         areas = self.full.vertex_areas
         mask = clean_region(region.membership, areas, self.part_area, adjacency=adjacency)
         return region, mask
+
+
+@dataclass(frozen=True, eq=False)
+class _Sketch:
+    """Another place, drawn with less effort: its score, its membership and its mask."""
+
+    score: float
+    membership: Floats
+    mask: Bools
+    mirrored: bool
+
+    @classmethod
+    def of(cls, place: VotedPlace, drawing: _Drawing, *, mirrored: bool) -> _Sketch:
+        region, mask = drawing.region(place, SKETCH)
+        return cls(place.score, region.membership, mask, mirrored)
+
+
+def _alternatives(sketches: list[_Sketch], mask: Bools, areas: Floats) -> tuple[Placement, ...]:
+    """Those of the sketches that are other places than the best region, best first."""
+    found = [
+        Placement(
+            mask=sketch.mask,
+            membership=sketch.membership,
+            score=sketch.score,
+            mirrored=sketch.mirrored,
+        )
+        for sketch in sketches
+        if areas[mask & sketch.mask].sum() < SAME_PLACE * areas[mask].sum()
+    ]
+    return tuple(sorted(found, key=lambda placement: -placement.score))

@@ -52,7 +52,7 @@ class Slopes(NamedTuple):
     parts: Floats
 
 
-@compiled(nogil=True)
+@compiled()
 def heat_distances(rows, sources, starts, slopes, heat, poisson, result):
     """Write the distances (q, n) from sets of sources; `rows` count blocks of `LANES` sets.
 

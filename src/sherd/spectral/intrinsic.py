@@ -100,9 +100,7 @@ class IntrinsicTriangulation:
         face, turn, beyond, back = side // 3, side % 3, other // 3, other % 3
         ab = self.lengths[face, turn]
         x, y = _apex(ab, self.lengths[face, (turn + 1) % 3], self.lengths[face, (turn + 2) % 3])
-        u, v = _apex(
-            ab, self.lengths[beyond, (back + 2) % 3], self.lengths[beyond, (back + 1) % 3]
-        )
+        u, v = _apex(ab, self.lengths[beyond, (back + 2) % 3], self.lengths[beyond, (back + 1) % 3])
         foot = x + (u - x) * y / np.maximum(y + v, 1e-300)
         seen = (foot > 0) & (foot < ab)
         first, second = self.faces[face, (turn + 2) % 3], self.faces[beyond, (back + 2) % 3]
@@ -132,12 +130,8 @@ def intrinsic_delaunay(vertices: Floats, faces: Ints) -> IntrinsicTriangulation:
     spare = lengths.sum(axis=1, keepdims=True) - 2 * lengths
     least = MARGIN * lengths.mean() if len(lengths) else 0.0
     lengths = lengths + max(least - float(spare.min(initial=0.0)), 0.0)
-    triangles = IntrinsicTriangulation(
-        faces, np.ascontiguousarray(lengths), _glued_sides(faces)
-    )
-    flip_to_delaunay(
-        triangles.faces, triangles.lengths, triangles.glue, MOST_FLIPS * len(faces)
-    )
+    triangles = IntrinsicTriangulation(faces, np.ascontiguousarray(lengths), _glued_sides(faces))
+    flip_to_delaunay(triangles.faces, triangles.lengths, triangles.glue, MOST_FLIPS * len(faces))
     return triangles
 
 

@@ -85,6 +85,18 @@ class Samples:
             farthest_first=np.arange(len(vertices)) if farthest_first is None else farthest_first,
         )
 
+    def thinned(self, count: int) -> Samples:
+        """At most `count` of the samples, those that lie farthest apart, in the same order."""
+        chosen = self.farthest_first[:count]
+        kept = np.sort(chosen)
+        return Samples(
+            vertices=self.vertices[kept],
+            distances=self.distances[kept],
+            between=self.between[np.ix_(kept, kept)],
+            directions=self.directions[np.ix_(kept, kept)],
+            farthest_first=np.searchsorted(kept, chosen),
+        )
+
     @cached_property
     def cells(self) -> Ints:
         """(n,) the sample nearest to each vertex."""
@@ -152,11 +164,13 @@ def sparse_samples(
     used = np.unique(mesh.faces)
     start = int(used[depth[used].argmax()])
     count = min(SPARSE_COUNT, len(used))
-    vertices, distances = farthest_point_sample(geodesics, count, start=start)
+    vertices, measured = farthest_point_sample(geodesics, count, start=start)
+    distances = measured.astype(np.float32)
     added = np.setdiff1d(also, vertices)
     if len(added):
         vertices = np.concatenate([vertices, added])
-        distances = np.concatenate([distances, geodesics.distances_from(added)])
+        others = geodesics.distances_from(added).astype(np.float32)
+        distances = np.concatenate([distances, others])
     order = np.argsort(distances[0, vertices], kind="stable")
     vertices, distances = vertices[order], distances[order]
     directions = _directions(mesh, vertices, distances, frames)

@@ -1,4 +1,4 @@
-"""Described surfaces of the same shape mirrored or enlarged: what is known is carried over."""
+"""Described surfaces of the same shape, changed a little: what is known is carried over."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.surface.described import NO_CUT, DescribedSurface, Known
 from sherd.surface.working import WorkingSurface
 
-__all__ = ["enlarged", "mirrored"]
+__all__ = ["enlarged", "mirrored", "thinned"]
 
 FLIP = np.array([-1.0, 1.0, 1.0])
 
@@ -46,6 +46,19 @@ def enlarged(surface: DescribedSurface, factor: float) -> DescribedSurface:
                 distances=sparse.distances * np.float32(factor),
                 between=sparse.between * factor,
             ),
+        ),
+    )
+
+
+def thinned(surface: DescribedSurface, count: int) -> DescribedSurface:
+    """The surface with at most `count` of its sparse samples, those that lie farthest apart."""
+    return DescribedSurface(
+        surface.working,
+        reference=surface.reference,
+        known=Known(
+            normals=surface.normals,
+            cut_distance=surface.cut_distance,
+            sparse=surface.sparse.thinned(count),
         ),
     )
 

@@ -52,7 +52,7 @@ def guided_turns(
     return turns
 
 
-@compiled(nogil=True)
+@compiled()
 def _best_placed(rows, nodes, guides, part, full, state, comparison, labels, costs):  # noqa: PLR0913
     for row in range(rows[0], rows[1]):
         misfit = np.empty(full.between.shape[0], np.float32)
@@ -94,7 +94,7 @@ def _misfits(node, guides, part, full, state, comparison, misfit):
             misfit[label] += near * cost
 
 
-@compiled(nogil=True)
+@compiled()
 def _guided_turns(rows, nodes, guides, at, part, full, state, turns):
     between, directions = part
     headings, labels = full.headings, state.labels

@@ -55,6 +55,7 @@ def labeling_costs(
     """
     count = labels.shape[1]
     costs = np.empty((len(edges), count, count), dtype=np.float32)
+    labels = np.ascontiguousarray(labels)  # another layout would be compiled for apart
     over_rows(
         _labeling_costs, len(edges), edges, measures, labels, rotations, directions, full,
         comparison, costs,
@@ -62,7 +63,7 @@ def labeling_costs(
     return costs
 
 
-@compiled(nogil=True)
+@compiled()
 def _labeling_costs(  # noqa: PLR0913
     rows, edges, measures, labels, rotations, directions, full, comparison, costs
 ):
@@ -134,7 +135,7 @@ def _add_turn_costs(turned, turn, comparison, fit):
         fit[b] += share * (_robust(u * factor, limit) + _robust(v * factor, limit))
 
 
-@compiled(nogil=True)
+@compiled()
 def pass_messages(edges, costs, unary, pointers, incident, rounds):
     """Labels (nodes,) of low total cost by tree-reweighted message passing, and the cost.
 
@@ -147,7 +148,11 @@ def pass_messages(edges, costs, unary, pointers, incident, rounds):
     figure 3 with monotonic chains.
     """
     nodes, count = unary.shape
-    turned = costs.transpose(0, 2, 1).copy()  # rows are then read in order in both directions
+    turned = np.empty_like(costs)  # rows are then read in order in both directions
+    for edge in range(len(edges)):
+        for a in range(count):
+            for b in range(count):
+                turned[edge, b, a] = costs[edge, a, b]
     forward = np.zeros((len(edges), count), np.float32)  # into the second node of an edge
     backward = np.zeros((len(edges), count), np.float32)  # into the first
     share = np.ones(nodes, np.float32)
@@ -177,7 +182,8 @@ def pass_messages(edges, costs, unary, pointers, incident, rounds):
 @compiled()
 def _gather(node, edges, unary, pointers, incident, messages, total):
     forward, backward = messages
-    total[:] = unary[node]
+    for a in range(len(total)):
+        total[a] = unary[node, a]
     for entry in range(pointers[node], pointers[node + 1]):
         edge = incident[entry]
         message = backward[edge] if edges[edge, 0] == node else forward[edge]
@@ -223,19 +229,26 @@ def _send(cost, rest, message):
 
 @compiled()
 def _decode(edges, costs, unary, pointers, incident, backward):
-    nodes = len(unary)
+    nodes, count = unary.shape
     chosen = np.zeros(nodes, np.int64)
+    total, fixed = np.empty(count, np.float32), np.empty(count, np.float32)
     energy = 0.0
     for node in range(nodes):
-        total = unary[node].copy()
-        fixed = unary[node].copy()
+        for a in range(count):
+            total[a] = fixed[a] = unary[node, a]
         for entry in range(pointers[node], pointers[node + 1]):
             edge = incident[entry]
             if edges[edge, 0] == node:
-                total += backward[edge]
+                for a in range(count):
+                    total[a] += backward[edge, a]
             else:
-                total += costs[edge, chosen[edges[edge, 0]]]
-                fixed += costs[edge, chosen[edges[edge, 0]]]
-        chosen[node] = np.argmin(total)
-        energy += fixed[chosen[node]]
+                other = chosen[edges[edge, 0]]
+                for a in range(count):
+                    total[a] += costs[edge, other, a]
+                    fixed[a] += costs[edge, other, a]
+        best = 0
+        for a in range(1, count):
+            best = a if total[a] < total[best] else best
+        chosen[node] = best
+        energy += fixed[best]
     return chosen, energy
