@@ -30,7 +30,7 @@ def labelings(planted, image) -> tuple[Labeling, Labeling]:
 
 @pytest.fixture(scope="module")
 def queries(planted) -> Queries:
-    return part_queries(planted.question.part, np.random.default_rng(0))
+    return part_queries(planted.question, np.random.default_rng(0))
 
 
 def test_labels_of_mirror_images_are_the_same(planted, image, labelings) -> None:

@@ -34,7 +34,7 @@ def slid(planted) -> Floats:
 
 def look_of(planted) -> Look:
     question = planted.question
-    queries = part_queries(question.part, np.random.default_rng(0))
+    queries = part_queries(question, np.random.default_rng(0))
     trust = np.ones(len(queries.vertices))
     return Look(queries.vertices, question.full.spectra, queries.cut_aware, trust)
 

@@ -20,7 +20,7 @@ from sherd.surface.working import WorkingSurface
 
 def placed(planted, labels: np.ndarray, *, rough: bool = False) -> WorkingPlacement:
     labeling = Labeling(labels, planted.rotations, np.zeros(len(labels)), 0.0)
-    queries = part_queries(planted.question.part, np.random.default_rng(0))
+    queries = part_queries(planted.question, np.random.default_rng(0))
     carry = rough_placement_from_labeling if rough else placement_from_labeling
     return carry(planted.question, labeling, queries)
 
@@ -85,10 +85,10 @@ def test_large_parts_ask_at_some_vertices_and_never_at_those_without_a_face(
     count = blob.vertex_count
     mesh = TriangleMesh(np.concatenate([blob.vertices, loose]), blob.faces)
     surface = DescribedSurface(WorkingSurface(mesh, mesh, None))
-    queries = part_queries(surface, np.random.default_rng(0))
+    queries = part_queries(planted.question.with_part(surface), np.random.default_rng(0))
     assert queries.vertices.tolist() == list(range(count))
     monkeypatch.setattr(working_placement, "QUERY_COUNT", 500)
-    few = part_queries(surface, np.random.default_rng(0))
+    few = part_queries(planted.question.with_part(surface), np.random.default_rng(0))
     assert len(few.vertices) == 500
     assert (np.diff(few.vertices) > 0).all()
     assert few.vertices.max() < count

@@ -27,9 +27,6 @@ FLAT_FACE = 1e-7
 # The shift in units of 1/area. The first nonzero eigenvalue is of order 4 pi / area or below, and
 # the factorization stays well conditioned (condition about n / shift) down to 1e-6 and beyond.
 SHIFT = 1e-3
-# Lanczos vectors for each eigenvector: with 2 as usual a third more time goes into keeping them
-# orthogonal, with 1.3 as much into further restarts.
-LANCZOS_VECTORS = 1.6
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -165,7 +162,7 @@ def _dense(size: int, count: int) -> bool:
 
 
 def _memory(size: int, count: int) -> int:
-    """Bytes at the peak: matrix, vectors and work space, or 1.6 k Lanczos vectors and results."""
+    """Bytes at the peak: matrix, vectors and work space, or 2 k + 1 Lanczos vectors and results."""
     return 8 * size * (4 * size if _dense(size, count) else 7 * count)
 
 
@@ -189,10 +186,7 @@ def _smallest_pairs(weak: sparse.csr_array, mass: Floats, count: int) -> tuple[F
         )
         inverse = LinearOperator((size, size), matvec=factor.solve, dtype=np.float64)
         start = np.random.default_rng(0).standard_normal(size)
-        values, vectors = eigsh(
-            matrix, count, sigma=-SHIFT, OPinv=inverse, v0=start, tol=1e-12,
-            ncv=min(size - 1, max(20, int(LANCZOS_VECTORS * count))),
-        )  # fmt: skip
+        values, vectors = eigsh(matrix, count, sigma=-SHIFT, OPinv=inverse, v0=start, tol=1e-12)
         order = np.argsort(values, kind="stable")
         values, vectors = values[order], vectors[:, order]
     return values / total, scale[:, None] * vectors

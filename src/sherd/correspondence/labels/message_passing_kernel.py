@@ -19,6 +19,7 @@ __all__ = ["labeling_costs", "pass_messages"]
 
 # Labels on other components are infinitely far; this far costs the limit as well.
 FAR = np.float32(1e6)
+ALONG = np.float32(1.0)
 
 
 @compiled(inline="always")
@@ -96,9 +97,9 @@ def _labeling_costs(  # noqa: PLR0913
                     to = labels[second, b]
                     u = x * there[to, 0] + y * there[to, 1]
                     v = back[b, 0] * headings[to, at, 0] + back[b, 1] * headings[to, at, 1]
-                    # at one and the same place there is no direction, and all are wrong
-                    turned[0, b] = np.float32(-1e6) if at == to else u
-                    turned[1, b] = np.float32(-1e6) if at == to else v
+                    # at one and the same place there is no direction: wrong, but wrong once
+                    turned[0, b] = -FAR if at == to else u
+                    turned[1, b] = ALONG if at == to else v
                 _add_turn_costs(turned, turn, comparison, fit)
             weight = np.float32(measures.weight[edge])
             for b in range(count):
