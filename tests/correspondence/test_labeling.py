@@ -54,7 +54,9 @@ def test_a_planted_labeling_comes_back(planted, lying: float, right: float) -> N
     labeling = find_anchors(problem_of(planted, lying=lying))
     apart, turn = gaps(planted, labeling)
     assert (apart == 0).mean() >= right
-    assert apart.max() < 0.04  # the next label at worst, though the blob is two long
+    between = planted.question.full.dense.between
+    next_label = np.sort(between[planted.labels], axis=1)[:, 2]  # itself, the nearest, the next
+    assert (apart <= next_label).all()  # at worst, though the blob is two long
     assert turn.max() < 0.2
     assert labeling.local_cost.max() < 0.5
 

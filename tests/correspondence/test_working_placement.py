@@ -79,7 +79,7 @@ def test_the_wrong_place_scores_low(planted, true: WorkingPlacement) -> None:
 
 
 def test_large_parts_ask_at_some_vertices_and_never_at_those_without_a_face(
-    blob, monkeypatch
+    planted, blob, monkeypatch
 ) -> None:
     loose = blob.vertices[blob.faces].mean(axis=1)
     count = blob.vertex_count

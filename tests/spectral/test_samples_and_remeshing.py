@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.sparse import csgraph
 
 from sherd.errors import OptionError
 from sherd.mesh import topology
@@ -26,15 +27,23 @@ def cap(mesh, height):
 
 def test_each_sample_is_the_farthest_from_those_before(sphere):
     mesh = sphere(4)
-    indices, distances = farthest_point_sample(Geodesics(mesh), 20, start=9)
+    geodesics = Geodesics(mesh)
+    indices, distances = farthest_point_sample(geodesics, 20, start=9)
     assert indices[0] == 9
+    along = csgraph.dijkstra(geodesics.paths, directed=False, indices=indices)
     for step in range(1, 20):
-        nearest = distances[:step].min(axis=0)
-        assert nearest[indices[step]] == nearest.max()
-    gaps = distances[:, indices] + 10 * np.eye(20)
+        nearest = along[:step].min(axis=0)
+        assert nearest[indices[step]] == pytest.approx(nearest.max(), rel=1e-12)
+    gaps = along[:, indices] + 10 * np.eye(20)
     # greedy sampling is a packing: no two samples closer than any point is from the sample
-    # (but for the heat method, which is not quite symmetric)
-    assert gaps.min() >= 0.97 * distances.min(axis=0).max()
+    assert gaps.min() >= (1 - 1e-12) * along.min(axis=0).max()
+    # paths are no shorter than geodesics, and hardly longer
+    ratio = (
+        np.delete(along[0], 9) / np.arccos(mesh.vertices @ mesh.vertices[9])[np.arange(1026) != 9]
+    )
+    assert 0.99 < ratio.min()
+    assert ratio.max() < 1.09
+    np.testing.assert_array_equal(distances, geodesics.distances_from(indices))
 
 
 def test_components_share_the_samples_by_area(sphere):
