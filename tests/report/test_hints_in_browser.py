@@ -10,8 +10,8 @@ from click.testing import CliRunner
 
 from sherd.cli.main import main
 from sherd.cli.tables import read_ignored, read_landmarks
+from sherd.drawing.exhibit import Verdict
 from sherd.files.mesh_files import write_mesh
-from sherd.report.exhibit import Verdict
 from sherd.report.html import write_page
 from sherd.report.stored.stored_match import read_match
 

@@ -10,13 +10,13 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
+from sherd.drawing.exhibit import Exhibit, Verdict
 from sherd.mesh.triangle_mesh import TriangleMesh
-from sherd.report.drawing.tradeoff import share_above
-from sherd.report.exhibit import Exhibit, Verdict
 from sherd.report.html import page, write_page
 from sherd.report.notebook import show
 from sherd.report.payload import Block, unpacked
 from sherd.report.thinning import thinned
+from sherd.report.tradeoff import share_above
 
 HOSTILE = "</script><script>window.hacked = true</script><img src=x onerror=alert(1)>{{meta}}"
 

@@ -9,10 +9,10 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from sherd.drawing.colors import full_layer, part_layer
+from sherd.drawing.exhibit import Exhibit, Layer
 from sherd.errors import OptionError
 from sherd.npz import arrays_npz
-from sherd.report.colors import full_layer, part_layer
-from sherd.report.exhibit import Exhibit, Layer
 from sherd.report.files import layer_values, vertex_map_text
 from sherd.report.glb import glb_scene
 from sherd.report.vtp import vtp_text

@@ -15,13 +15,13 @@ from typing import Any
 
 import numpy as np
 
+from sherd.drawing.exhibit import Exhibit, Verdict
+from sherd.drawing.picture import picture, png_bytes, stage
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.output import write_text
-from sherd.report.drawing.picture import picture, png_bytes, stage
-from sherd.report.drawing.tradeoff import tradeoff_svg
-from sherd.report.exhibit import Exhibit, Verdict
 from sherd.report.payload import payload
 from sherd.report.thinning import LARGEST_SHOWN, thinned
+from sherd.report.tradeoff import tradeoff_svg
 
 __all__ = ["page", "write_page"]
 

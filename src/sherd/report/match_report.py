@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from sherd.arrays import Floats, Ints
+from sherd.drawing.colors import correspondence_layer, full_layer, part_layer
+from sherd.drawing.exhibit import Alternative, Exhibit, Layer, Partner, Verdict
 from sherd.mesh.surface_points import SurfacePoints
-from sherd.report.colors import correspondence_layer, full_layer, part_layer
-from sherd.report.exhibit import Alternative, Exhibit, Layer, Partner, Verdict
 from sherd.report.files import corr_text, painted_ply, table_csv
 from sherd.report.frame import (
     Report,
