@@ -211,7 +211,7 @@ def _sentences(result: MatchResult, document: Mapping[str, Any]) -> tuple[str, .
             f"Vertices with a confidence below {result.min_confidence:g} count as unmatched."
         )
     if result.scale != 1.0 or result.options.scale == "unknown":
-        said.append(f"The part was enlarged {result.scale:.4g} times to fit.")
+        said.append(f"Lengths of the part were multiplied by {result.scale:.4g} to fit.")
     said += [*decimation_sentences(result), *alternative_sentences(result)]
     if "ground_truth" in document:
         mean = document["ground_truth"]["mean_error_x100"]

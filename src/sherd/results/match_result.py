@@ -87,7 +87,7 @@ class MatchResult(FrozenState):
     alternatives
         Other plausible placements, best first.
     scale
-        Factor that the part was enlarged by: 1 for ``scale="same"`` without units.
+        What lengths of the part were multiplied by: 1 for ``scale="same"`` without units.
     second_score, twin_score
         Score of the placement that was found the other time, and of the mirrored twin, which need
         not be plausible; None if unknown.
