@@ -24,7 +24,8 @@ NAMES = frozenset(
     {
         RESULT, "report.html", "region.csv", "region.ply", "region.png", "part.ply", "full.ply",
         "correspondence.csv", "correspondence.corr", "correspondence.map", "correspondence.vts",
-        "match.png", "alternatives.npz", "full.vtp", "part.vtp", "result.npz", "result.mat",
+        "match.png", "alternatives.npz", "full.vtp", "part.vtp", "result.glb", "result.npz",
+        "result.mat",
     }
 )  # fmt: skip
 

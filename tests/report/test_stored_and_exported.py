@@ -18,11 +18,12 @@ from PIL import Image
 import sherd
 from sherd.cli.main import main
 from sherd.errors import InputError, OptionError
-from sherd.report.exports import exported
+from sherd.report.exports import MAP_EXPORTS, SHAPE_EXPORTS, exported
 from sherd.report.notebook import exhibit_of, plot, show
 from sherd.report.stored.stored_exhibit import read_exhibit
 from sherd.report.stored.stored_match import read_match
 from sherd.report.write import report_of, write_report
+from sherd.result_folder import NAMES
 from sherd.results.advice import Doubts, UnfollowedLandmark
 from sherd.results.match_result import MatchResult
 
@@ -36,7 +37,8 @@ def result(match_result_of, exhibit) -> MatchResult:
 def folder(result, tmp_path_factory):
     out = tmp_path_factory.mktemp("match")
     errors = np.linspace(0, 0.1, result.part.vertex_count)
-    write_report(result, out, errors=errors, exports=("vtp", "npz", "mat", "map", "vts"))
+    document = write_report(result, out, errors=errors, exports=SHAPE_EXPORTS + MAP_EXPORTS)
+    assert set(document["files"]) <= NAMES  # others might be taken for the user's, or replaced
     return out
 
 
