@@ -55,6 +55,18 @@ def test_command_blocks_name_real_commands_and_options(page: str, text: str) -> 
                 assert word in described, f"{page}: {line}"
 
 
+def test_a_folder_on_a_page_holds_the_answers_to_one_question() -> None:
+    """Whoever types a page from top to bottom is not refused for what the page wrote before."""
+    command = re.compile(r"^sherd (match|locate) (\S+) (\S+) .*-o (\S+?)/?(?: |$)", re.MULTILINE)
+    for page in PAGES:
+        text = page.read_text(encoding="utf-8")
+        found = [(where, question) for *question, where in command.findall(text)]
+        found += [(where, ["python"]) for where in re.findall(r'report\(.*"(\w+)/?"', text)]
+        questions: dict[str, list[str]] = {}
+        for where, question in found:
+            assert questions.setdefault(where, question) == question, f"{page.name}: {where}"
+
+
 def test_equations_survive_every_reader_of_markdown() -> None:
     """Forges read ```math and $...$, but within lines take a backslash before a sign for an escape.
 
