@@ -147,6 +147,17 @@ def test_paraview_files_hold_what_the_map_carries(result, folder) -> None:
     np.testing.assert_allclose(carried, expected)
 
 
+@pytest.mark.parametrize("side", ["full", "part"])
+def test_paraview_files_have_the_colors_of_the_others(side, folder) -> None:
+    root = ET.parse(folder / f"{side}.vtp").getroot()  # noqa: S314  our own text
+    texts = {array.get("Name"): array.text for array in root.iter("DataArray")}
+    raw = base64.b64decode(texts["correspondence"])[8:]
+    painted = sherd.read_mesh(folder / f"{side}.ply").fields["color"]
+    np.testing.assert_array_equal(
+        np.frombuffer(raw, dtype=np.uint8).reshape(-1, 3), np.rint(255 * painted)
+    )
+
+
 def test_same_result_same_exported_bytes(exhibit) -> None:
     kinds = ("vtp", "glb", "npz", "mat", "map", "vts")
     assert exported(exhibit, kinds) == exported(exhibit, kinds)
