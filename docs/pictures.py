@@ -13,7 +13,7 @@ from PIL import Image
 
 import sherd
 from sherd.cli.demo import demo_fragment
-from sherd.report.drawing.picture import picture, stage
+from sherd.drawing.picture import picture, stage
 from sherd.report.write import report_of, write_report
 from sherd.spectral.surface_distances import SurfaceDistances
 

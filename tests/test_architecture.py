@@ -30,6 +30,7 @@ FLOORS = {
     "result_folder": 1,
     "threads": 1,
     "mesh": 2,
+    "drawing": 3,
     "files": 3,
     "repair": 3,
     "scan": 4,
@@ -54,7 +55,7 @@ GROUND = 1  # output may raise errors, and both stand on the ground
 LARGEST_FILE = 400
 LARGEST_ROOM = 16
 # Rooms that are too full, and by how much; a number here only ever falls.
-CROWDED = {"report": 21, "correspondence": 18}
+CROWDED = {"correspondence": 18}
 
 
 def module_name(path: Path) -> str:

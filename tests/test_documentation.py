@@ -55,6 +55,35 @@ def test_command_blocks_name_real_commands_and_options(page: str, text: str) -> 
                 assert word in described, f"{page}: {line}"
 
 
+def test_a_folder_on_a_page_holds_the_answers_to_one_question() -> None:
+    """Whoever types a page from top to bottom is not refused for what the page wrote before."""
+    command = re.compile(r"^sherd (match|locate) (\S+) (\S+) .*-o (\S+?)/?(?: |$)", re.MULTILINE)
+    for page in PAGES:
+        text = page.read_text(encoding="utf-8")
+        found = [(where, question) for *question, where in command.findall(text)]
+        found += [(where, ["python"]) for where in re.findall(r'report\(.*"(\w+)/?"', text)]
+        questions: dict[str, list[str]] = {}
+        for where, question in found:
+            assert questions.setdefault(where, question) == question, f"{page.name}: {where}"
+
+
+def test_equations_survive_every_reader_of_markdown() -> None:
+    """Forges read ```math and $...$, but within lines take a backslash before a sign for an escape.
+
+    And whoever writes formulas as plain text again leaves readers to guess what is a symbol.
+    """
+    assert sum(len(re.findall("^ *```math$", page.read_text("utf-8"), re.M)) for page in PAGES) >= 4
+    for page in PAGES:
+        prose = re.sub("`[^`\n]*`", "", BLOCK.sub("", page.read_text(encoding="utf-8")))
+        assert prose.count("$") % 2 == 0, page.name
+        for equation in prose.split("$")[1::2]:
+            assert "\n" not in equation, f"{page.name}: ${equation}$"
+            assert equation.strip() == equation, f"{page.name}: ${equation}$"
+            assert not re.search(r"\\[^A-Za-z]", equation), f"{page.name}: ${equation}$"
+        words = " ".join(prose.split("$")[::2])
+        assert not re.search(r"lambda_\w|epsilon\b|\brho\b", words), page.name
+
+
 def test_make_targets_exist() -> None:
     makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
     for page in PAGES:

@@ -54,7 +54,7 @@ def test_python_has_the_same_limits() -> None:
 
 
 def test_memory_is_asked_before_it_is_taken(monkeypatch, exhibit_to_draw) -> None:
-    from sherd.report.drawing.picture import picture  # noqa: PLC0415
+    from sherd.drawing.picture import picture  # noqa: PLC0415
 
     assert (limits.available_memory() or 10**9) > 10**6
     monkeypatch.setattr(limits, "available_memory", lambda: 10**5)
@@ -72,7 +72,7 @@ def test_memory_is_asked_before_it_is_taken(monkeypatch, exhibit_to_draw) -> Non
 def exhibit_to_draw():
     import trimesh  # noqa: PLC0415
 
-    from sherd.report.exhibit import Exhibit  # noqa: PLC0415
+    from sherd.drawing.exhibit import Exhibit  # noqa: PLC0415
 
     ball = trimesh.creation.icosphere(subdivisions=3)
     mesh = TriangleMesh(ball.vertices, ball.faces)

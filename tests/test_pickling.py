@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import base64
 import copy
+import io
 import multiprocessing
 import pickle
 from collections.abc import Callable, Mapping
@@ -12,6 +14,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from PIL import Image
 
 import sherd
 from sherd.energy.mumford_shah import EnergyTerms
@@ -197,7 +200,7 @@ def test_options_show_what_is_not_the_default() -> None:
 
 
 @pytest.mark.parametrize("make", [match_result, locate_result])
-def test_notebooks_show_a_table(make: Callable[[], Any]) -> None:
+def test_notebooks_show_a_table_and_a_picture(make: Callable[[], Any]) -> None:
     result = make()
     odd = copy.copy(result)
     object.__setattr__(odd, "part", sherd.TriangleMesh(MESH.vertices, MESH.faces, name="<b>"))
@@ -206,7 +209,14 @@ def test_notebooks_show_a_table(make: Callable[[], Any]) -> None:
     assert "<b>" not in shown
     for word in ("status", "coverage", "100.0%", "confidence" if make is match_result else "score"):
         assert word in shown
-    assert len(shown) < 3000
+    table, _, picture = shown.partition("<img")
+    assert len(table) < 3000
+    assert len(picture) < 60_000
+    data = base64.b64decode(picture.partition("base64,")[2].partition('"')[0])
+    drawn = np.asarray(Image.open(io.BytesIO(data)).convert("RGB"))
+    full, part = drawn[:200, :320].reshape(-1, 3), drawn[:200, 320:].reshape(-1, 3)
+    for shape in (full, part):
+        assert len(np.unique(shape, axis=0)) > 10
 
 
 def test_a_template_keeps_what_took_long_and_nothing_else() -> None:

@@ -49,6 +49,8 @@ def test_another_question_is_refused_unless_told_to_overwrite(tmp_path, kind) ->
 
 def test_files_of_others_are_not_mixed_with_a_result(tmp_path) -> None:
     (tmp_path / ".hidden").write_text("does not matter")
+    (tmp_path / "demo").mkdir()  # results stand beside each other: out/demo, then out
+    assert replaceable_files(tmp_path, MATCH) == ()
     for name in "abcd":
         (tmp_path / name).write_text("mine")
     with pytest.raises(OutputError, match="a, b, c and 1 more, which no result names"):

@@ -24,7 +24,8 @@ NAMES = frozenset(
     {
         RESULT, "report.html", "region.csv", "region.ply", "region.png", "part.ply", "full.ply",
         "correspondence.csv", "correspondence.corr", "correspondence.map", "correspondence.vts",
-        "match.png", "alternatives.npz", "full.vtp", "part.vtp", "result.npz", "result.mat",
+        "match.png", "alternatives.npz", "full.vtp", "part.vtp", "result.glb", "result.npz",
+        "result.mat",
     }
 )  # fmt: skip
 
@@ -56,8 +57,9 @@ def replaceable_files(
 ) -> tuple[str, ...]:
     """Names of the files of an older result in `folder` that one of this kind may replace.
 
-    An empty folder, and one that holds an older result of the same kind, is free. A result of
-    another kind, and files that no result names, are not unless `overwrite` is set; even then
+    An empty folder is free, and so is one that holds nothing but folders (often of other results)
+    or an older result of the same kind. A result of another kind, and files that no result names,
+    are not unless `overwrite` is set; even then
     nothing is removed that the older ``result.json`` does not name.
 
     Parameters
@@ -81,7 +83,11 @@ def replaceable_files(
     if not target.exists():
         return ()
     with reported(target):
-        present = {path.name for path in target.iterdir() if not path.name.startswith(".")}
+        present = {
+            path.name
+            for path in target.iterdir()
+            if not path.name.startswith(".") and (path.is_file() or path.name in NAMES)
+        }
     old = _stored(target)
     if overwrite:
         return () if old is None else old[1]

@@ -10,8 +10,8 @@ from click.testing import CliRunner
 
 from sherd.cli.main import main
 from sherd.cli.tables import read_ignored, read_landmarks
+from sherd.drawing.exhibit import Verdict
 from sherd.files.mesh_files import write_mesh
-from sherd.report.exhibit import Verdict
 from sherd.report.html import write_page
 from sherd.report.stored.stored_match import read_match
 
@@ -223,20 +223,21 @@ def test_a_decimated_view_ignores_every_vertex_of_the_file(opened):
     assert cut.sum() < 0.5 * inside.any(axis=1).sum()  # a patch, no scattered points
 
 
-@pytest.mark.parametrize("wanted", ["642", "-1", "2.5", ""])
-def test_a_vertex_that_does_not_exist_is_refused_in_words(opened, wanted):
+def test_a_vertex_that_does_not_exist_is_refused_in_words(opened):
     tab, shown = opened()
     assert shown.full.vertex_count == 642
     tab.locator("#vertex-side").select_option("full")
-    tab.locator("#vertex-number").fill(wanted)
-    tab.locator("#vertex-form button").click()
-    assert tab.inner_text("#vertex-message") == (
-        f"{wanted or 'nothing'} is no vertex of the full shape, which has 0..641."
-    )
-    tab.locator("#vertex-number").fill("641")
-    tab.locator("#vertex-form button").click()
-    assert tab.inner_text("#vertex-message") == ""
-    assert "vertex 641" in tab.inner_text("#point-full")
+    for wanted in ("642", "-1", "2.5", ""):
+        tab.locator("#vertex-number").fill(wanted)
+        tab.locator("#vertex-form button").click()
+        assert tab.inner_text("#vertex-message") == (
+            f"{wanted or 'nothing'} is no vertex of the full shape, which has 0..641."
+        )
+        tab.locator("#vertex-number").fill("641")
+        tab.locator("#vertex-form button").click()
+        assert tab.inner_text("#vertex-message") == ""
+        assert "vertex 641" in tab.inner_text("#point-full")
+        tab.evaluate("window.sherd.page.select('full', 3)")  # or the next word finds the old answer
 
 
 def test_what_has_no_partner_is_gray_on_both_shapes(opened):

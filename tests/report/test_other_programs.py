@@ -14,8 +14,8 @@ import pytest
 import scipy.io
 import trimesh
 
+from sherd.drawing.colors import linear_from_srgb
 from sherd.files.mesh_files import read_mesh
-from sherd.report.colors import linear_from_srgb
 from sherd.report.exports import exported
 from sherd.report.write import write_report
 from sherd.results.match_result import MatchResult

@@ -5,18 +5,19 @@ import hashlib
 import html
 import json
 import re
+from dataclasses import replace
 from html.parser import HTMLParser
 
 import numpy as np
 import pytest
 
+from sherd.drawing.exhibit import Exhibit, Verdict
 from sherd.mesh.triangle_mesh import TriangleMesh
-from sherd.report.drawing.tradeoff import share_above
-from sherd.report.exhibit import Exhibit, Verdict
 from sherd.report.html import page, write_page
 from sherd.report.notebook import show
 from sherd.report.payload import Block, unpacked
 from sherd.report.thinning import thinned
+from sherd.report.tradeoff import share_above
 
 HOSTILE = "</script><script>window.hacked = true</script><img src=x onerror=alert(1)>{{meta}}"
 
@@ -57,6 +58,13 @@ def test_nothing_is_loaded_from_elsewhere(document):
     assert "@import" not in style
     # the only addresses in the script are XML name spaces
     assert set(re.findall(r"https?://[\w.]+", document)) <= {"http://www.w3.org"}
+
+
+def test_lists_in_tables_stay_readable(exhibit):
+    options = {"landmarks": ((7, 1200), (8, 30)), "ignore": tuple(range(5000)), "none_given": ()}
+    text = page(replace(exhibit, facts={"Options": options}))
+    for words in ("(7, 1,200), (8, 30)", "5,000 entries", "none"):
+        assert f">{words}</td>" in text
 
 
 def test_security_policy_allows_this_script_only(document):

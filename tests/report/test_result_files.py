@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 import trimesh
 
+from sherd.drawing.exhibit import Layer, Partner
 from sherd.errors import OptionError
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.npz import arrays_npz
-from sherd.report.exhibit import Layer, Partner
 from sherd.report.files import (
     corr_text,
     painted_ply,

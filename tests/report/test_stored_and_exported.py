@@ -18,11 +18,12 @@ from PIL import Image
 import sherd
 from sherd.cli.main import main
 from sherd.errors import InputError, OptionError
-from sherd.report.exports import exported
+from sherd.report.exports import MAP_EXPORTS, SHAPE_EXPORTS, exported
 from sherd.report.notebook import exhibit_of, plot, show
 from sherd.report.stored.stored_exhibit import read_exhibit
 from sherd.report.stored.stored_match import read_match
 from sherd.report.write import report_of, write_report
+from sherd.result_folder import NAMES
 from sherd.results.advice import Doubts, UnfollowedLandmark
 from sherd.results.match_result import MatchResult
 
@@ -36,7 +37,8 @@ def result(match_result_of, exhibit) -> MatchResult:
 def folder(result, tmp_path_factory):
     out = tmp_path_factory.mktemp("match")
     errors = np.linspace(0, 0.1, result.part.vertex_count)
-    write_report(result, out, errors=errors, exports=("vtp", "npz", "mat", "map", "vts"))
+    document = write_report(result, out, errors=errors, exports=SHAPE_EXPORTS + MAP_EXPORTS)
+    assert set(document["files"]) <= NAMES  # others might be taken for the user's, or replaced
     return out
 
 
@@ -143,6 +145,17 @@ def test_paraview_files_hold_what_the_map_carries(result, folder) -> None:
     expected = result.points.interpolate(result.full, result.full.fields["thickness"])
     expected[~result.matched] = np.nan
     np.testing.assert_allclose(carried, expected)
+
+
+@pytest.mark.parametrize("side", ["full", "part"])
+def test_paraview_files_have_the_colors_of_the_others(side, folder) -> None:
+    root = ET.parse(folder / f"{side}.vtp").getroot()  # noqa: S314  our own text
+    texts = {array.get("Name"): array.text for array in root.iter("DataArray")}
+    raw = base64.b64decode(texts["correspondence"])[8:]
+    painted = sherd.read_mesh(folder / f"{side}.ply").fields["color"]
+    np.testing.assert_array_equal(
+        np.frombuffer(raw, dtype=np.uint8).reshape(-1, 3), np.rint(255 * painted)
+    )
 
 
 def test_same_result_same_exported_bytes(exhibit) -> None:

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sherd.report.exhibit import Exhibit
+from sherd.drawing.exhibit import Exhibit
 from sherd.report.html import write_page
 from sherd.report.notebook import show
 

@@ -51,7 +51,7 @@ FILE = click.Path(path_type=Path)
     default="same",
     show_default=True,
     help="Unknown: the part's scale is estimated within half and twice that of FULL. A number: "
-    "the part is enlarged by it.",
+    "lengths of PART are multiplied by it.",
 )
 @click.option("--part-unit", type=click.Choice(UNITS), help="Unit of PART; with --full-unit.")
 @click.option("--full-unit", type=click.Choice(UNITS), help="Unit of FULL; with --part-unit.")
@@ -192,7 +192,7 @@ def match_summary(result: MatchResult, document: dict[str, Any], output: Path) -
         f"confidence {document['mean_confidence']:.2f}."
     ]
     if result.scale != 1.0 or result.options.scale == "unknown":
-        lines.append(f"The part was enlarged {result.scale:.4g} times to fit.")
+        lines.append(f"Lengths of the part were multiplied by {result.scale:.4g} to fit.")
     lines += [
         f"Alternative: {other.name}, score {other.score:.3f}" for other in result.alternatives
     ]

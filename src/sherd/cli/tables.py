@@ -41,7 +41,7 @@ def columns_of(path: Path) -> dict[str, list[str]]:
     except OSError as error:
         raise InputError(f"{path}: cannot be read ({error.strerror}); check the path") from error
     except (UnicodeDecodeError, csv.Error) as error:
-        raise InputError(f"{path}: is no CSV file ({error})") from error
+        raise InputError(f"{path}: is no CSV file ({error}); save it as UTF-8 text") from error
     if not rows:
         raise InputError(f"{path}: is empty; a header and rows of values are needed")
     header = [name.strip() for name in rows[0]]

@@ -9,9 +9,9 @@ from pathlib import Path
 import click
 
 from sherd.cli.options import quiet_option
+from sherd.drawing.picture import picture, png_bytes
 from sherd.errors import InputError
 from sherd.output import require_writable, write_bytes
-from sherd.report.drawing.picture import picture, png_bytes
 from sherd.report.stored.folder import folder_problems
 from sherd.report.stored.stored_exhibit import read_exhibit
 

@@ -9,10 +9,10 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from sherd.drawing.colors import full_layer, part_layer
+from sherd.drawing.exhibit import Exhibit, Layer
 from sherd.errors import OptionError
 from sherd.npz import arrays_npz
-from sherd.report.colors import full_layer, part_layer
-from sherd.report.exhibit import Exhibit, Layer
 from sherd.report.files import layer_values, vertex_map_text
 from sherd.report.glb import glb_scene
 from sherd.report.vtp import vtp_text
@@ -52,7 +52,7 @@ def _files(exhibit: Exhibit, kind: str) -> dict[str, bytes | str]:
     partner, full = exhibit.partner, exhibit.full
     if kind == "vtp":
         return {
-            "full.vtp": vtp_text(full, exhibit.full_layers),
+            "full.vtp": vtp_text(full, _seen_on_full(exhibit)),
             "part.vtp": vtp_text(exhibit.part, _seen_on_part(exhibit)),
         }
     if kind == "glb":
@@ -66,6 +66,12 @@ def _files(exhibit: Exhibit, kind: str) -> dict[str, bytes | str]:
     if kind == "vts" and partner is not None:
         return {"correspondence.vts": vertex_map_text(partner, full, first=1)}
     raise OptionError(f"export {kind!r} is unknown; choose from {SHAPE_EXPORTS + MAP_EXPORTS}")
+
+
+def _seen_on_full(exhibit: Exhibit) -> tuple[Layer, ...]:
+    """The layers of the full shape as the report shows them: gray where the part does not lie."""
+    shown = (full_layer(exhibit, layer.name) for layer in exhibit.full_layers)
+    return tuple(layer for layer in shown if layer is not None)
 
 
 def _seen_on_part(exhibit: Exhibit) -> tuple[Layer, ...]:
@@ -82,7 +88,7 @@ def _glb(exhibit: Exhibit) -> bytes:
     painted = None if first is None else full_layer(exhibit, first)
     carried = None if first is None else part_layer(exhibit, first)
     return glb_scene(
-        (exhibit.full, exhibit.full_layers, painted),
+        (exhibit.full, _seen_on_full(exhibit), painted),
         (exhibit.part, _seen_on_part(exhibit), carried),
     )
 

@@ -13,12 +13,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from sherd.arrays import Bools, Floats
+from sherd.drawing.colors import layer_colors
+from sherd.drawing.exhibit import Layer, Partner
 from sherd.errors import OptionError
 from sherd.files.encode import encoded
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
-from sherd.report.colors import layer_colors
-from sherd.report.exhibit import Layer, Partner
 
 __all__ = [
     "corr_text",

@@ -8,8 +8,8 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
+from sherd.drawing.exhibit import Exhibit
 from sherd.mesh.triangle_mesh import TriangleMesh
-from sherd.report.exhibit import Exhibit
 from sherd.report.files import table_csv
 from sherd.results.locate_result import LocateResult
 from sherd.results.match_result import MatchResult

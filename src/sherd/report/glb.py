@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sherd.arrays import Floats
+from sherd.drawing.colors import layer_colors, linear_from_srgb
+from sherd.drawing.exhibit import Layer
 from sherd.errors import OptionError
 from sherd.mesh.triangle_mesh import TriangleMesh
-from sherd.report.colors import layer_colors, linear_from_srgb
-from sherd.report.exhibit import Layer
 from sherd.report.files import layer_values
 
 __all__ = ["PaintedShape", "glb_scene"]

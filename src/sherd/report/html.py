@@ -15,18 +15,20 @@ from typing import Any
 
 import numpy as np
 
+from sherd.drawing.exhibit import Exhibit, Verdict
+from sherd.drawing.picture import picture, png_bytes, stage
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.output import write_text
-from sherd.report.drawing.picture import picture, png_bytes, stage
-from sherd.report.drawing.tradeoff import tradeoff_svg
-from sherd.report.exhibit import Exhibit, Verdict
 from sherd.report.payload import payload
 from sherd.report.thinning import LARGEST_SHOWN, thinned
+from sherd.report.tradeoff import tradeoff_svg
 
 __all__ = ["page", "write_page"]
 
 # The picture serves print (eight inches at 175 dots) and browsers without WebGL.
 PICTURE_WIDTH = 1400
+# Tables of facts say more entries than this by their number: ignored vertices are thousands.
+LONGEST_LIST = 20
 
 
 def page(exhibit: Exhibit, *, largest: int = LARGEST_SHOWN) -> str:
@@ -188,7 +190,13 @@ def _kind(value: Any) -> str:
 
 def _text(value: Any) -> str:
     if isinstance(value, list | tuple | np.ndarray):
-        return ", ".join(_text(entry) for entry in value) or "none"
+        if len(value) > LONGEST_LIST:
+            return f"{len(value):,} entries"
+        words = (
+            f"({_text(entry)})" if isinstance(entry, list | tuple | np.ndarray) else _text(entry)
+            for entry in value
+        )
+        return ", ".join(words) or "none"
     if isinstance(value, bool | np.bool_):
         return "yes" if value else "no"
     if isinstance(value, int | float | np.number):

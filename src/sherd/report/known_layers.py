@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from sherd.arrays import Floats
+from sherd.drawing.exhibit import Layer
 from sherd.mesh.triangle_mesh import TriangleMesh
-from sherd.report.exhibit import Layer
 from sherd.report.files import property_name
 
 __all__ = [

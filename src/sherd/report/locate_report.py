@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import asdict
 from typing import Any
 
+from sherd.drawing.exhibit import Alternative, Exhibit, Layer, Verdict
 from sherd.files.encode import encoded
-from sherd.report.exhibit import Alternative, Exhibit, Layer, Verdict
 from sherd.report.files import painted_ply
 from sherd.report.frame import (
     Report,

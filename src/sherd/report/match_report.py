@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from sherd.arrays import Floats, Ints
+from sherd.drawing.colors import correspondence_layer, full_layer, part_layer
+from sherd.drawing.exhibit import Alternative, Exhibit, Layer, Partner, Verdict
 from sherd.mesh.surface_points import SurfacePoints
-from sherd.report.colors import correspondence_layer, full_layer, part_layer
-from sherd.report.exhibit import Alternative, Exhibit, Layer, Partner, Verdict
 from sherd.report.files import corr_text, painted_ply, table_csv
 from sherd.report.frame import (
     Report,
@@ -211,7 +211,7 @@ def _sentences(result: MatchResult, document: Mapping[str, Any]) -> tuple[str, .
             f"Vertices with a confidence below {result.min_confidence:g} count as unmatched."
         )
     if result.scale != 1.0 or result.options.scale == "unknown":
-        said.append(f"The part was enlarged {result.scale:.4g} times to fit.")
+        said.append(f"Lengths of the part were multiplied by {result.scale:.4g} to fit.")
     said += [*decimation_sentences(result), *alternative_sentences(result)]
     if "ground_truth" in document:
         mean = document["ground_truth"]["mean_error_x100"]

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 from PIL import Image
 
-from sherd.report.drawing.picture import picture
-from sherd.report.exhibit import Exhibit
+from sherd.drawing.exhibit import Exhibit
+from sherd.drawing.picture import picture
 from sherd.report.html import page
 from sherd.report.write import report_of
 from sherd.results.locate_result import LocateResult

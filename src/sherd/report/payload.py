@@ -14,17 +14,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sherd.arrays import Bools, Floats, Ints
-from sherd.mesh.triangle_mesh import TriangleMesh
-from sherd.report.colors import (
+from sherd.drawing.camera import orientation
+from sherd.drawing.colors import (
     CATEGORY_COLORS,
     MASK_COLORS,
     NEUTRAL,
     UNKNOWN,
     color_table,
 )
-from sherd.report.drawing.camera import orientation
-from sherd.report.drawing.picture import Staging
-from sherd.report.exhibit import Exhibit, Layer, Partner
+from sherd.drawing.exhibit import Exhibit, Layer, Partner
+from sherd.drawing.picture import Staging
+from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.report.thinning import Thinned
 
 __all__ = ["Block", "payload", "unpacked"]

@@ -8,10 +8,10 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from sherd.arrays import Bools, Ints
+from sherd.drawing.exhibit import Exhibit, Layer, Partner
 from sherd.errors import OptionError
 from sherd.mesh.surface_points import closest_points
 from sherd.mesh.triangle_mesh import TriangleMesh
-from sherd.report.exhibit import Exhibit, Layer, Partner
 from sherd.spectral.sampling import decimate
 
 __all__ = ["LARGEST_SHOWN", "Thinned", "thinned"]

@@ -9,9 +9,9 @@ from xml.sax.saxutils import quoteattr
 import numpy as np
 from numpy.typing import NDArray
 
+from sherd.drawing.colors import layer_colors
+from sherd.drawing.exhibit import Layer
 from sherd.mesh.triangle_mesh import TriangleMesh
-from sherd.report.colors import layer_colors
-from sherd.report.exhibit import Layer
 from sherd.report.files import layer_values
 
 __all__ = ["vtp_text"]

@@ -6,8 +6,8 @@ import os
 from typing import Any
 
 from sherd.arrays import Floats
+from sherd.drawing.picture import picture, png_bytes
 from sherd.errors import InputError
-from sherd.report.drawing.picture import picture, png_bytes
 from sherd.report.exports import exported
 from sherd.report.frame import Report
 from sherd.report.html import page

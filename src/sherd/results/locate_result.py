@@ -9,12 +9,13 @@ import numpy as np
 
 from sherd._version import __version__
 from sherd.arrays import Bools, Floats, FrozenState
+from sherd.drawing.exhibit import Exhibit, Layer
 from sherd.energy.cleanup import pieces
 from sherd.energy.convergence import Convergence
 from sherd.energy.mumford_shah import EnergyTerms
 from sherd.mesh import topology
 from sherd.mesh.triangle_mesh import TriangleMesh
-from sherd.results.display import table_html
+from sherd.results.display import picture_html, table_html
 from sherd.results.locate_options import LocateOptions
 from sherd.results.placement import Placement
 
@@ -128,7 +129,10 @@ class LocateResult(FrozenState):
             "alternatives": ", ".join(repr(other) for other in self.alternatives) or "none",
             "to see it": "sherd.show(result), sherd.plot(result)",
         }
-        return table_html(f"{self.part.name} on {self.full.name}", rows)
+        title = f"{self.part.name} on {self.full.name}"
+        shown = Layer("membership", self.membership, range=(0, 1), color_map="ember")
+        scene = Exhibit(title, self.full, self.part, full_layers=(shown,), region=self.mask)
+        return table_html(title, rows) + picture_html(scene)
 
     @property
     def mask(self) -> Bools:

@@ -13,13 +13,15 @@ from scipy import sparse
 
 from sherd._version import __version__
 from sherd.arrays import Bools, Floats, FrozenState, Ints
+from sherd.drawing.colors import correspondence_layer
+from sherd.drawing.exhibit import Exhibit, Partner
 from sherd.errors import InvalidMeshError
 from sherd.limits import require_finite
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.results import transfer
 from sherd.results.advice import UnfollowedLandmark
-from sherd.results.display import table_html
+from sherd.results.display import picture_html, table_html
 from sherd.results.distortion import edge_stretch, faces_preserved
 from sherd.results.match_options import MatchOptions
 from sherd.results.placement import Placement
@@ -85,7 +87,7 @@ class MatchResult(FrozenState):
     alternatives
         Other plausible placements, best first.
     scale
-        Factor that the part was enlarged by: 1 for ``scale="same"`` without units.
+        What lengths of the part were multiplied by: 1 for ``scale="same"`` without units.
     second_score, twin_score
         Score of the placement that was found the other time, and of the mirrored twin, which need
         not be plausible; None if unknown.
@@ -165,7 +167,16 @@ class MatchResult(FrozenState):
             "alternatives": ", ".join(repr(other) for other in self.alternatives) or "none",
             "to see it": "sherd.show(result), sherd.plot(result)",
         }
-        return table_html(f"{self.part.name} on {self.full.name}", rows)
+        title = f"{self.part.name} on {self.full.name}"
+        scene = Exhibit(
+            title,
+            self.full,
+            self.part,
+            full_layers=(correspondence_layer(self.full),),
+            partner=Partner(self.points, self.matched),
+            region=self.best.mask,
+        )
+        return table_html(title, rows) + picture_html(scene)
 
     @property
     def points(self) -> SurfacePoints:

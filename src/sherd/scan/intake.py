@@ -96,7 +96,11 @@ def scan_intake(source: ScanSource | Intake) -> Intake:
     if isinstance(source, str | os.PathLike):
         cloud = read_points(source)
         return mesh_intake(source) if cloud is None else _surface(cloud)
-    return _surface(source) if isinstance(source, PointCloud) else mesh_intake(source)
+    if isinstance(source, PointCloud):
+        return _surface(source)
+    if not isinstance(source, Intake) and not _holds_mesh(source):
+        raise InputError(f"{_refusal(source)}; points without faces as sherd.PointCloud(points)")
+    return mesh_intake(source)
 
 
 def _surface(cloud: PointCloud) -> Intake:
@@ -118,12 +122,21 @@ def _repaired(original: TriangleMesh, notices: tuple[str, ...]) -> Intake:
 def _as_mesh(source: Any) -> TriangleMesh:
     if isinstance(source, TriangleMesh):
         return source
-    if isinstance(source, tuple) and len(source) == 2:
+    if not _holds_mesh(source):
+        raise InputError(_refusal(source))
+    if isinstance(source, tuple):
         return TriangleMesh(*source)
-    vertices, faces = getattr(source, "vertices", None), getattr(source, "faces", None)
-    if vertices is None or faces is None:
-        raise InputError(
-            f"a {type(source).__name__} is no mesh; give a TriangleMesh, a path, a pair (vertices, "
-            "faces), or an object with both, such as a trimesh.Trimesh"
-        )
-    return TriangleMesh(np.asarray(vertices), np.asarray(faces))
+    return TriangleMesh(np.asarray(source.vertices), np.asarray(source.faces))
+
+
+def _holds_mesh(source: Any) -> bool:
+    if isinstance(source, tuple):
+        return len(source) == 2
+    return all(getattr(source, name, None) is not None for name in ("vertices", "faces"))
+
+
+def _refusal(source: Any) -> str:
+    return (
+        f"{type(source).__name__} is no mesh; give a TriangleMesh, a path, a tuple (vertices, "
+        "faces), or an object with both, such as a trimesh.Trimesh"
+    )

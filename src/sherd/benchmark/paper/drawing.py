@@ -11,12 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sherd.arrays import Floats
+from sherd.drawing.camera import orientation
+from sherd.drawing.colors import layer_colors
+from sherd.drawing.exhibit import Layer
 from sherd.errors import OptionError
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.output import write_bytes
-from sherd.report.colors import layer_colors
-from sherd.report.drawing.camera import orientation
-from sherd.report.exhibit import Layer
 
 __all__ = ["check_plotting", "draw_curves", "draw_panels", "shape_image"]
 
@@ -53,7 +53,7 @@ def shape_image(
     size: tuple[int, int] = PANEL,
 ) -> Image:
     """A mesh seen through a camera rotation (3, 3), (height, width, 3) on white."""
-    from sherd.report.drawing.raster_kernel import shaded_image  # noqa: PLC0415  numba loads on first use
+    from sherd.drawing.raster_kernel import shaded_image  # noqa: PLC0415  numba loads on first use
 
     width, height = size
     placed = mesh.vertices @ rotation.T

@@ -23,6 +23,8 @@ from sherd.benchmark.paper.scenes import (
     whole_region,
 )
 from sherd.descriptors.heat_kernel_signature import heat_kernel_signature
+from sherd.drawing.camera import best_view, upward
+from sherd.drawing.exhibit import Layer
 from sherd.energy.all_vertices import full_region
 from sherd.energy.cleanup import pieces, threshold_to_area
 from sherd.energy.logistic import logistic_regions
@@ -31,8 +33,6 @@ from sherd.energy.subspace import subspace_region
 from sherd.mesh import topology
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.region.integral_matching import ball_starts
-from sherd.report.drawing.camera import best_view, upward
-from sherd.report.exhibit import Layer
 
 __all__ = [
     "body_parts_figure",

@@ -12,6 +12,7 @@ from sherd.descriptors.field import Descriptor, SpectralSurface
 from sherd.descriptors.heat_kernel_signature import HeatKernel, automatic_times
 from sherd.descriptors.shot import Shot
 from sherd.descriptors.wave_kernel_signature import WaveKernel
+from sherd.drawing.camera import upward
 from sherd.energy.cleanup import clean_region, grow_region
 from sherd.energy.problem import EnergyWeights, RegionProblem
 from sherd.errors import InfeasibleError, OptionError
@@ -19,7 +20,6 @@ from sherd.files.mesh_files import read_mesh
 from sherd.mesh import topology
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.region.integral_matching import interior_question
-from sherd.report.drawing.camera import upward
 from sherd.shapes.creature import creature, landmarks
 from sherd.spectral.basis import eigenbasis
 from sherd.spectral.geodesics import Geodesics

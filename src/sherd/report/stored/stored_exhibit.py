@@ -11,12 +11,12 @@ from typing import Any
 import numpy as np
 
 from sherd.arrays import Bools
+from sherd.drawing.colors import correspondence_layer
+from sherd.drawing.exhibit import Exhibit, Partner, Verdict
 from sherd.energy.convergence import Convergence
 from sherd.errors import InputError, SherdError
 from sherd.files.mesh_files import read_mesh
 from sherd.mesh.triangle_mesh import TriangleMesh
-from sherd.report.colors import correspondence_layer
-from sherd.report.exhibit import Exhibit, Partner, Verdict
 from sherd.report.known_layers import file_layers, located_part_layers, stored_layers
 from sherd.report.stored.folder import MATCH_FORMAT, REGION_FORMAT, folder_problems
 from sherd.report.stored.stored_match import read_match

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from PIL import ImageDraw, ImageFont
 
-from sherd.report.colors import CATEGORY_COLORS, MASK_COLORS, color_table
-from sherd.report.exhibit import Layer
+from sherd.drawing.colors import CATEGORY_COLORS, MASK_COLORS, color_table
+from sherd.drawing.exhibit import Layer
 
 __all__ = ["draw_legend", "ticks"]
 

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from sherd.arrays import Floats
-from sherd.report.exhibit import Exhibit
+from sherd.drawing.exhibit import Exhibit
 
 __all__ = ["rotation_to_full"]
 

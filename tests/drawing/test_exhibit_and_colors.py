@@ -3,10 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sherd.energy.convergence import Convergence
-from sherd.errors import InvalidMeshError, OptionError
-from sherd.mesh.surface_points import SurfacePoints
-from sherd.report.colors import (
+from sherd.drawing.colors import (
     UNKNOWN,
     color_table,
     full_layer,
@@ -14,7 +11,10 @@ from sherd.report.colors import (
     oklab_from_srgb,
     part_layer,
 )
-from sherd.report.exhibit import COLOR_MAPS, Exhibit, Layer, Partner, Verdict
+from sherd.drawing.exhibit import COLOR_MAPS, Exhibit, Layer, Partner, Verdict
+from sherd.energy.convergence import Convergence
+from sherd.errors import InvalidMeshError, OptionError
+from sherd.mesh.surface_points import SurfacePoints
 from sherd.results.status import Status
 
 

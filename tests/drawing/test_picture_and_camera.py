@@ -9,14 +9,14 @@ import trimesh
 from PIL import Image
 from scipy.spatial.transform import Rotation
 
+from sherd.drawing.alignment import rotation_to_full
+from sherd.drawing.camera import best_view, orbit_view, orientation, upward
+from sherd.drawing.color_bar import ticks
+from sherd.drawing.exhibit import Exhibit, Layer
+from sherd.drawing.picture import picture, png_bytes, stage, write_picture
+from sherd.drawing.raster_kernel import covered_faces, shaded_image
 from sherd.errors import OptionError, OutputError
 from sherd.mesh.triangle_mesh import TriangleMesh
-from sherd.report.drawing.alignment import rotation_to_full
-from sherd.report.drawing.camera import best_view, orbit_view, orientation, upward
-from sherd.report.drawing.color_bar import ticks
-from sherd.report.drawing.picture import picture, png_bytes, stage, write_picture
-from sherd.report.drawing.raster_kernel import covered_faces, shaded_image
-from sherd.report.exhibit import Exhibit, Layer
 
 
 def test_rasterizer_covers_the_exact_area_and_keeps_the_nearest():

@@ -154,7 +154,7 @@ def _seen_areas(
     mesh: TriangleMesh, marked: Bools, rotation: Floats, size: float
 ) -> tuple[float, float, float]:
     """Projected area of marked and of all visible surface (l^2), share of marked area visible."""
-    from sherd.report.drawing.raster_kernel import covered_faces  # noqa: PLC0415  numba loads on first use
+    from sherd.drawing.raster_kernel import covered_faces  # noqa: PLC0415  numba loads on first use
 
     pixel = size / PREVIEW_SIZE
     placed = (mesh.vertices - mesh.vertices.min(axis=0)) @ rotation.T / pixel

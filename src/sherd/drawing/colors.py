@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sherd.arrays import Bytes, Floats
+from sherd.drawing.exhibit import Exhibit, Layer
 from sherd.errors import OptionError
 from sherd.mesh.triangle_mesh import TriangleMesh
-from sherd.report.exhibit import Exhibit, Layer
 
 __all__ = [
     "CATEGORY_COLORS",

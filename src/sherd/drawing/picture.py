@@ -10,15 +10,15 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
 from sherd.arrays import Floats
+from sherd.drawing.alignment import rotation_to_full
+from sherd.drawing.camera import View, best_view, orientation, upward
+from sherd.drawing.color_bar import draw_legend
+from sherd.drawing.colors import full_layer, layer_colors, part_layer
+from sherd.drawing.exhibit import Exhibit, Layer
 from sherd.errors import OptionError
 from sherd.limits import require_memory, require_whole
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.output import write_bytes
-from sherd.report.colors import full_layer, layer_colors, part_layer
-from sherd.report.drawing.alignment import rotation_to_full
-from sherd.report.drawing.camera import View, best_view, orientation, upward
-from sherd.report.drawing.color_bar import draw_legend
-from sherd.report.exhibit import Exhibit, Layer
 
 __all__ = ["Staging", "picture", "stage", "write_picture"]
 
@@ -206,7 +206,7 @@ def _scales(panels: list[_Panel], size: tuple[int, int]) -> tuple[float, float]:
 
 
 def _rendered(panel: _Panel, size: tuple[int, int], pixels: float) -> Image.Image:
-    from sherd.report.drawing.raster_kernel import shaded_image  # noqa: PLC0415  numba loads on first use
+    from sherd.drawing.raster_kernel import shaded_image  # noqa: PLC0415  numba loads on first use
 
     mesh = panel.mesh
     placed = mesh.vertices @ panel.rotation.T

@@ -7,10 +7,10 @@ import pytest
 import trimesh
 from scipy.spatial.transform import Rotation
 
+from sherd.drawing.colors import correspondence_layer
+from sherd.drawing.exhibit import Alternative, Exhibit, Layer, Partner
 from sherd.mesh.surface_points import points_at_vertices
 from sherd.mesh.triangle_mesh import TriangleMesh
-from sherd.report.colors import correspondence_layer
-from sherd.report.exhibit import Alternative, Exhibit, Layer, Partner
 from sherd.results.match_options import MatchOptions
 from sherd.results.match_result import MatchResult
 from sherd.results.placement import Placement

@@ -1,1 +1,0 @@
-"""Pictures without a display."""
