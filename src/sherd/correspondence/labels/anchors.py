@@ -19,7 +19,7 @@ from sherd.correspondence.labels.labeling import (
 )
 from sherd.correspondence.labels.labeling_data import State
 
-__all__ = ["find_anchors", "grown"]
+__all__ = ["candidates_again", "find_anchors", "first_labeling", "grown"]
 
 
 # The right label is among the 30 most similar of 1,200 for nine nodes in ten of real cuts.
@@ -58,25 +58,39 @@ def find_anchors(
 
     `step` is the lack of similarity that costs one unit.
     """
-    similar, turn = _most_similar(problem)
-    labels, rotations = similar, _at(turn, similar)
-    best = solve(problem, labels, rotations, step=step)
+    best = first_labeling(problem, step=step)
     for _ in range(rounds - 1):
-        near = np.argsort(problem.nodes.between, axis=1, kind="stable")[:, 1 : 1 + NEAR_LABELS]
-        proposed, proposed_turns = _proposals(problem, best)
-        from_near = best.labels[near]
-        half = similar[:, : CANDIDATES // 2]
-        labels = np.concatenate([best.labels[:, None], proposed, from_near, half], axis=1)
-        rotations = np.concatenate(
-            [best.rotations[:, None], proposed_turns, _at(turn, from_near), _at(turn, half)], axis=1
-        )
-        best = solve(problem, labels, rotations, step=step)
+        best = solve(problem, *candidates_again(problem, best), step=step)
     other = grown(problem, best, _core(problem, best), step=step)
     best = other if other.energy < best.energy else best
     other = grown(problem, best, _far_from_cut(problem), step=step)
     # Relabeling alone lowers the energy, but rather lets labels slide than finds better ones.
     moved = problem.labels.between[best.labels, other.labels].max()
     return other if other.energy < best.energy and moved > ELSEWHERE else best
+
+
+def first_labeling(problem: Problem, *, step: float = SIMILARITY_STEP) -> Labeling:
+    """The labeling with the most similar labels as candidates."""
+    similar, turn = _most_similar(problem)
+    return solve(problem, similar, _at(turn, similar), step=step)
+
+
+def candidates_again(
+    problem: Problem, labeling: Labeling, *, also: Ints | None = None
+) -> tuple[Ints, Floats]:
+    """Candidates (k, c): where each node is, where its neighbors place it, and similar ones.
+
+    `also` (k, a) are further labels, with the rotations of most similarity.
+    """
+    similar, turn = _most_similar(problem)
+    near = np.argsort(problem.nodes.between, axis=1, kind="stable")[:, 1 : 1 + NEAR_LABELS]
+    proposed, proposed_turns = _proposals(problem, labeling)
+    from_near = labeling.labels[near]
+    half = similar[:, : CANDIDATES // 2]
+    by_turn = [from_near, half] if also is None else [also, from_near, half]
+    labels = np.concatenate([labeling.labels[:, None], proposed, *by_turn], axis=1)
+    turns = [_at(turn, each) for each in by_turn]
+    return labels, np.concatenate([labeling.rotations[:, None], proposed_turns, *turns], axis=1)
 
 
 def grown(
@@ -134,6 +148,7 @@ def _at(turn: Floats, labels: Ints) -> Floats:
 def _guides(problem: Problem, labeling: Labeling, count: int) -> Ints:
     """Nodes (k, count) near each node whose own neighborhoods agree; -1 where there are no more."""
     rank = problem.nodes.between + ODD_DISTANCE * (labeling.local_cost > ODD_COST)
+    rank[:, ~labeling.placed] = np.inf
     np.fill_diagonal(rank, np.inf)
     order = np.argsort(rank, axis=1, kind="stable")[:, :count]
     guides: Ints = np.where(np.isfinite(np.take_along_axis(rank, order, axis=1)), order, -1)
