@@ -25,7 +25,13 @@ from sherd.correspondence.placements import (
     second_placement,
 )
 from sherd.correspondence.question import Question
-from sherd.correspondence.scale import LARGEST_SCALE, SAME, estimated_scale
+from sherd.correspondence.scale import (
+    LARGEST_SCALE,
+    SAME,
+    ScaleEstimate,
+    estimated_scale,
+    largest_factor,
+)
 from sherd.correspondence.unfollowed import unfollowed_landmarks
 from sherd.correspondence.working_placement import (
     Queries,
@@ -152,7 +158,7 @@ def match_one_side(
         question = Question(template, surface, comparison, working_pins(surface, pins))
         _ = surface.sparse  # computed on first use, and this is the stage that it belongs to
     with stages("scale"):
-        estimate = estimated_scale(question, rng) if unknown else SAME
+        estimate = _scale(question, rng) if unknown else SAME
         scale = options.factor * estimate.factor
         if estimate.factor != 1.0:
             unit = template.length / scale
@@ -205,6 +211,10 @@ def match_one_side(
         ),
         notices=MappingProxyType({"full": template.intake.notices, "part": part.notices}),
     )
+
+
+def _scale(question: Question, rng: np.random.Generator) -> ScaleEstimate:
+    return estimated_scale(question, rng, largest=largest_factor(question))
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,7 +13,14 @@ from sherd.correspondence.question import Question
 from sherd.mesh.sizes import LARGEST_PART
 from sherd.surface.transformed import enlarged
 
-__all__ = ["LARGEST_SCALE", "SAME", "ScaleEstimate", "estimated_scale", "length_ratio"]
+__all__ = [
+    "LARGEST_SCALE",
+    "SAME",
+    "ScaleEstimate",
+    "estimated_scale",
+    "largest_factor",
+    "length_ratio",
+]
 
 # The range that users are promised, and a grid over it: a neighborhood that is a tenth too
 # large is still recognized.
@@ -39,17 +46,20 @@ class ScaleEstimate:
 SAME = ScaleEstimate(1.0)
 
 
-def estimated_scale(question: Question, rng: np.random.Generator) -> ScaleEstimate:
-    """The factor in [1/2, 2] by which `part` must be enlarged.
+def largest_factor(question: Question) -> float:
+    """The factor by which `part` may be enlarged: not beyond the full shape, and at most 2."""
+    room = np.sqrt(LARGEST_PART * question.full.mesh.area / question.part.mesh.area)
+    return min(LARGEST_SCALE, float(room))
 
-    The part is labeled at each factor of a grid, as far as it does not become larger than the full
-    shape; the factor whose labeling keeps the most similarity and the most even ratio of lengths
-    wins, and is then corrected by that ratio.
+
+def estimated_scale(
+    question: Question, rng: np.random.Generator, *, largest: float
+) -> ScaleEstimate:
+    """The factor from 1/2 to `largest` by which `part` must be enlarged.
+
+    The part is labeled at each factor of a grid; the factor whose labeling keeps the most
+    similarity and the most even ratio of lengths wins, and is then corrected by that ratio.
     """
-    largest = min(
-        LARGEST_SCALE,
-        float(np.sqrt(LARGEST_PART * question.full.mesh.area / question.part.mesh.area)),
-    )
     factors = np.geomspace(1 / LARGEST_SCALE, LARGEST_SCALE, GRID)
     factors = factors[: max(1, int((factors <= largest).sum()))]
     trials = [_trial(question, float(factor), rng) for factor in factors]

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from sherd.results.status import Status
 
-__all__ = ["Doubts", "UnfollowedLandmark"]
+__all__ = ["Doubts", "OverlapDoubts", "UnfollowedLandmark"]
 
 # So many landmarks are named in the advice; the result has them all.
 NAMED = 5
@@ -91,6 +91,67 @@ class Doubts:
         if self.units:
             said.append(self.units)
         return f"doubtful: {'; '.join(said)}"
+
+
+# Two answers in three are right where the chance is so high; below the other, one in ten.
+SURE, FOREIGN = 0.65, 0.1
+NOTHING = (
+    "does not belong: nothing that both shapes share was found; they may share too little, differ "
+    "in scale, or be different things; give landmarks if you know some"
+)
+
+
+@dataclass(frozen=True)
+class OverlapDoubts:
+    """What speaks against an overlap; nothing by default.
+
+    Attributes
+    ----------
+    chance
+        That the answer as a whole is right.
+    shared
+        Whether anything is shared.
+    scale_bound
+        The scale, if it stands at its bound.
+    unfollowed
+        Landmarks that were not followed.
+    """
+
+    chance: float = 1.0
+    shared: bool = True
+    scale_bound: float | None = None
+    unfollowed: tuple[UnfollowedLandmark, ...] = ()
+
+    @property
+    def status(self) -> Status:
+        """Good if nothing speaks against it."""
+        if not self.shared or self.chance < FOREIGN:
+            return Status.FOREIGN
+        doubtful = self.chance < SURE or self.scale_bound is not None or self.unfollowed
+        return Status.DOUBTFUL if doubtful else Status.GOOD
+
+    @property
+    def advice(self) -> str:
+        """What to do, with the names of what is wrong."""
+        if self.status is Status.GOOD:
+            return "good: both directions agree and neighborhoods are alike"
+        if not self.shared:
+            return NOTHING
+        said = []
+        if self.chance < SURE:
+            said.append(
+                f"the chance that the answer is right is {self.chance:.2f}; look at both shapes in "
+                "the report, or give landmarks"
+            )
+        if self.scale_bound is not None:
+            said.append(
+                f"the scale stands at its bound, {self.scale_bound:.4g}; give a factor "
+                "(scale=FACTOR, --scale FACTOR)"
+            )
+        if self.unfollowed:
+            said.append(_said_of_landmarks(self.unfollowed))
+        words = "does not belong" if self.status is Status.FOREIGN else "doubtful"
+        return f"{words}: {'; '.join(said)}"
 
 
 def _said_of_landmarks(landmarks: tuple[UnfollowedLandmark, ...]) -> str:

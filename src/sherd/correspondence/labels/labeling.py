@@ -224,7 +224,7 @@ def solve(
         chosen, energy = pass_messages(edges, costs, unary, pointers, incident, ROUNDS)
     rows = np.arange(count)
     paid = costs[np.arange(len(edges)), chosen[edges[:, 0]], chosen[edges[:, 1]]]
-    both = placed[edges].all(axis=1)
+    both: Bools = np.all(placed[edges], axis=1)
     local = np.where(placed, _local_cost(problem, paid, both), NOWHERE_COST)
     return Labeling(labels[rows, chosen], rotations[rows, chosen], local, energy / count, placed)
 
@@ -259,9 +259,7 @@ def _with_nowhere(problem: Problem, costs: Singles, unary: Singles) -> tuple[Sin
     return wider, np.concatenate([unary, price], axis=1)
 
 
-def _best_guesses(
-    chosen: Ints, edges: Ints, costs: Singles, unary: Singles, placed: Bools
-) -> Ints:
+def _best_guesses(chosen: Ints, edges: Ints, costs: Singles, unary: Singles, placed: Bools) -> Ints:
     """The candidates (k,), for nodes placed nowhere the one that suits their placed neighbors."""
     total = unary.astype(np.float64)
     for here, there, turned in ((0, 1, False), (1, 0, True)):

@@ -73,5 +73,6 @@ def on_border(mesh: TriangleMesh, points: SurfacePoints) -> Bools:
     border = np.zeros(mesh.vertex_count, dtype=bool)
     border[mesh.boundary_vertices] = True
     count = points.barycentric > ON_EDGE
-    result: Bools = (border[mesh.faces[points.faces]] | ~count).all(axis=1) & ~count.all(axis=1)
-    return result
+    along: Bools = np.all(border[mesh.faces[points.faces]] | ~count, axis=1)
+    inside: Bools = np.all(count, axis=1)
+    return along & ~inside

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import TypeAlias, TypeVar
 
 import numpy as np
 
-from sherd.arrays import Bools, Floats, Singles
+from sherd.arrays import Bools, Floats
 from sherd.correspondence.elastic_kernel import fit_rotations
 from sherd.correspondence.labels.labeling import Labeling
 from sherd.correspondence.labels.two_way import TwoLabelings
@@ -32,7 +33,7 @@ from sherd.correspondence.working_placement import (
 from sherd.descriptors.rotation_shot import trusted_equally
 from sherd.surface.described import RADII
 
-__all__ = ["TwoPlacements", "placed_together"]
+__all__ = ["SharedPlacement", "placed_together", "sharing_cost"]
 
 # Where there and back end up farther apart than this, the two directions do not mean the same
 # place: two spacings of labels.
@@ -41,75 +42,112 @@ CLOSES = 0.06
 # vertices on 10,000: a wrong place is no nearer, and the border is as sharp as the mesh.
 CLOSED = 0.015
 PLACE_ROUNDS, TOGETHER_ROUNDS = 12, 4
+# As far above the price as a perfect vertex is below it.
+MOST_COST = 2.0
+# Strain is averaged over so many rings of neighbors, the width of a crease.
+RINGS = 3
+
+Kind = TypeVar("Kind")
+Both: TypeAlias = tuple[Kind, Kind]
 
 
 @dataclass(frozen=True, eq=False)
-class TwoPlacements:
-    """The placement of each shape's working mesh on the other, first that of the second shape.
+class SharedPlacement:
+    """The placement of one shape's working mesh on the other.
 
     Attributes
     ----------
-    deformations
-        Of the second shape on the first, and of the first on the second.
-    trips
-        There and back from each.
+    deformation
+        Of the working mesh, in the frame of the other shape.
+    trip
+        There and back from each vertex.
     shared
-        (n,) bool, vertices of each that are shared.
+        (n,) bool, vertices that the other shape has too.
+    strain
+        (n,) relative strain of the elastic surface around each vertex.
+    apart
+        (n,) how far both directions were apart before they were drawn together.
     similarity
         (q,) similarity at the answers of the queries, inside what is shared.
     """
 
-    deformations: tuple[Deformation, Deformation]
-    trips: tuple[RoundTrip, RoundTrip]
-    shared: tuple[Bools, Bools]
-    similarity: tuple[Floats, Floats]
+    deformation: Deformation
+    trip: RoundTrip
+    shared: Bools
+    strain: Floats
+    apart: Floats
+    similarity: Floats
 
 
 def placed_together(
-    questions: tuple[Question, Question],
+    questions: Both[Question],
     labelings: TwoLabelings,
-    queries: tuple[Queries, Queries],
-) -> TwoPlacements:
+    queries: Both[Queries],
+    *,
+    strain: float,
+) -> Both[SharedPlacement]:
     """Carry both labelings through to points and draw them together.
 
     Each direction starts from the nodes that the other brings back. Then, twice: lay both shapes
     on each other by similar neighborhoods, and draw each to the middle between its own place and
     the inverse of the other's, where these are near. The second time both see only what is shared.
+
+    Parameters
+    ----------
+    questions
+        The second shape on the first, and the first on the second.
+    labelings
+        Of both.
+    queries
+        Vertices of the second and of the first shape that look for similar places.
+    strain
+        What is accepted, see :func:`sharing_cost`.
     """
     found = (
         (labelings.forward, labelings.forward_agrees),
         (labelings.backward, labelings.backward_agrees),
     )
-    present = tuple(
-        agrees[question.part.sparse.cells].astype(np.float64)
-        for question, (_, agrees) in zip(questions, found, strict=True)
-    )
-    laid = tuple(
-        _from_labeling(question, labeling, agrees, here)
-        for question, (labeling, agrees), here in zip(questions, found, present, strict=True)
-    )
-    looks = tuple(_look_by_cut(question, each) for question, each in zip(questions, queries, strict=True))
-    laid = tuple(
-        registered_to_surface(question, own, look, reaches=FIRST_REACHES, present=here)
-        for question, own, look, here in zip(questions, laid, looks, present, strict=True)
-    )
-    laid, trips, shared = _drawn_together(questions, laid)
-    looks = tuple(
-        _look_inside(question, each, shared[k], shared[1 - k])
-        for k, (question, each) in enumerate(zip(questions, queries, strict=True))
-    )
-    laid = tuple(
-        registered_to_surface(
-            question, own, look, reaches=SECOND_REACHES, present=here.astype(np.float64)
+    laid, looks = [], []
+    for question, (labeling, agrees), each in zip(questions, found, queries, strict=True):
+        present = agrees[question.part.sparse.cells].astype(np.float64)
+        start = _from_labeling(question, labeling, agrees, present)
+        look = _look_by_cut(question, each)
+        laid.append(
+            registered_to_surface(question, start, look, reaches=FIRST_REACHES, present=present)
         )
-        for question, own, look, here in zip(questions, laid, looks, shared, strict=True)
-    )
-    laid, trips, shared = _drawn_together(questions, laid)
-    similarity = tuple(
-        similar_places(question.full, own.positions, look, reach=ANSWER_REACH)[2]
-        for question, own, look in zip(questions, laid, looks, strict=True)
-    )
-    return TwoPlacements(laid, trips, shared, similarity)
+    together = _drawn_together(questions, (laid[0], laid[1]), strain)
+    laid = []
+    for side, (question, each) in enumerate(zip(questions, queries, strict=True)):
+        own, other = together[side], together[1 - side]
+        look = _look_inside(question, each, own.shared, other.shared)
+        present = own.shared.astype(np.float64)
+        looks.append(look)
+        laid.append(
+            registered_to_surface(
+                question, own.deformation, look, reaches=SECOND_REACHES, present=present
+            )
+        )
+    together = _drawn_together(questions, (laid[0], laid[1]), strain)
+    judged = [
+        replace(
+            own,
+            similarity=similar_places(
+                question.full, own.deformation.positions, look, reach=ANSWER_REACH
+            )[2],
+        )
+        for question, own, look in zip(questions, together, looks, strict=True)
+    ]
+    return (judged[0], judged[1])
+
+
+def sharing_cost(trip: RoundTrip, strain: Floats, accepted: float) -> Floats:
+    """Cost (n,) of sharing each vertex; 1 is its price, and none costs more than 2.
+
+    `max(gap / CLOSED, strain / accepted)`, and 2 over the border of the other shape: what comes
+    back elsewhere is as little shared as what only fits when it is torn.
+    """
+    cost = np.maximum(trip.gap / CLOSED, strain / accepted)
+    return np.where(trip.beyond, MOST_COST, np.minimum(cost, MOST_COST))
 
 
 def _from_labeling(
@@ -138,15 +176,15 @@ def _look_inside(question: Question, queries: Queries, own: Bools, other: Bools)
 
 
 def _drawn_together(
-    questions: tuple[Question, Question], laid: tuple[Deformation, Deformation]
-) -> tuple[tuple[Deformation, Deformation], tuple[RoundTrip, RoundTrip], tuple[Bools, Bools]]:
+    questions: Both[Question], laid: Both[Deformation], strain: float
+) -> Both[SharedPlacement]:
     """Each drawn to the middle between its own places and the inverse of the other's."""
-    trips = _trips(questions, laid)
-    drawn = []
-    for question, own, trip in zip(questions, laid, trips, strict=True):
-        apart = np.linalg.norm(trip.there - trip.inverse, axis=1)
-        closes = (np.maximum(apart, trip.gap) < CLOSES) & ~trip.beyond & (trip.missed < CLOSES / 2)
+    drawn, gaps = [], []
+    for question, own, trip in zip(questions, laid, _trips(questions, laid), strict=True):
+        apart = np.maximum(np.linalg.norm(trip.there - trip.inverse, axis=1), trip.gap)
+        closes = (apart < CLOSES) & ~trip.beyond & (trip.missed < CLOSES / 2)
         middle = 0.5 * (trip.there + trip.inverse)
+        gaps.append(apart)
         drawn.append(
             registered_to_positions(
                 question, own, middle, rounds=TOGETHER_ROUNDS, present=closes.astype(np.float64)
@@ -154,22 +192,36 @@ def _drawn_together(
         )
     together = (drawn[0], drawn[1])
     trips = _trips(questions, together)
-    shared = tuple(
-        shared_region(question.part.mesh, sharing_cost(trip))
-        for question, trip in zip(questions, trips, strict=True)
-    )
-    return together, trips, (shared[0], shared[1])
+    strained = [
+        _around(question, elastic_strain(question.part, own))
+        for question, own in zip(questions, together, strict=True)
+    ]
+    placements = []
+    for side, (question, trip) in enumerate(zip(questions, trips, strict=True)):
+        # the other surface is strained where this one is as well; either may tell
+        there = trip.points.interpolate(question.full.mesh, strained[1 - side])
+        worse = np.maximum(strained[side], there)
+        shared = shared_region(question.part.mesh, sharing_cost(trip, worse, strain))
+        nothing = np.empty(0)
+        placements.append(SharedPlacement(together[side], trip, shared, worse, gaps[side], nothing))
+    return (placements[0], placements[1])
 
 
-def sharing_cost(trip: RoundTrip) -> Floats:
-    """Cost (n,) of sharing a vertex, 1 is its price: how far there and back are apart."""
-    cost = np.minimum(trip.gap / CLOSED, 2.0)
-    return np.where(trip.beyond, 2.0, cost)
+def _around(question: Question, strain: Floats) -> Floats:
+    """Strain (n,) averaged over some rings of neighbors: creases are narrow, tears are not."""
+    mesh = question.part.mesh
+    first, second = mesh.edges.T
+    count = mesh.vertex_count
+    capped = np.minimum(strain, 1.0)
+    for _ in range(RINGS):
+        total = capped + np.bincount(first, capped[second], count)
+        total += np.bincount(second, capped[first], count)
+        number = 1 + np.bincount(first, minlength=count) + np.bincount(second, minlength=count)
+        capped = total / number
+    return capped
 
 
-def _trips(
-    questions: tuple[Question, Question], laid: tuple[Deformation, Deformation]
-) -> tuple[RoundTrip, RoundTrip]:
+def _trips(questions: Both[Question], laid: Both[Deformation]) -> Both[RoundTrip]:
     return (
         round_trip(questions[0], laid[0], laid[1]),
         round_trip(questions[1], laid[1], laid[0]),
