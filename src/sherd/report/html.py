@@ -18,6 +18,7 @@ import numpy as np
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.output import write_text
 from sherd.report.drawing.picture import picture, png_bytes, stage
+from sherd.report.drawing.strain_curve import strain_curve_svg
 from sherd.report.drawing.tradeoff import tradeoff_svg
 from sherd.report.exhibit import Exhibit, Verdict
 from sherd.report.payload import payload
@@ -64,7 +65,7 @@ def page(exhibit: Exhibit, *, largest: int = LARGEST_SHOWN) -> str:
         "part_caption": html.escape(_caption(exhibit.part)),
         "picture": base64.b64encode(png_bytes(image)).decode("ascii"),
         "picture_words": html.escape(" ".join((exhibit.title, *exhibit.summary))),
-        "tradeoff": _tradeoff(exhibit),
+        "tradeoff": _strain_curve(exhibit) + _tradeoff(exhibit),
         "summary": _summary(exhibit.summary),
         "notice": _card("Decimated view", light.notice, kind="notice wide") if light.notice else "",
         "command": _command(exhibit.command),
@@ -134,6 +135,21 @@ def _tradeoff(exhibit: Exhibit) -> str:
     return (
         '<div class="card wide tradeoff"><div><h2>What the confidence is worth</h2>'
         f"<p>{html.escape(words)}</p></div>{plot}</div>"
+    )
+
+
+def _strain_curve(exhibit: Exhibit) -> str:
+    """The plot of shared area against accepted strain."""
+    if exhibit.curve is None:
+        return ""
+    words = (
+        "How much of each shape is shared if more strain is accepted, or less. Where a curve is "
+        "flat, the border does not depend on the choice; where it rises, what is added is less "
+        "and less alike."
+    )
+    return (
+        '<div class="card wide tradeoff"><div><h2>How alike is enough</h2>'
+        f"<p>{html.escape(words)}</p></div>{strain_curve_svg(exhibit.curve)}</div>"
     )
 
 

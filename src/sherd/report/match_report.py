@@ -112,7 +112,7 @@ def _exhibit(result: MatchResult, document: Mapping[str, Any], errors: Floats | 
         score=result.best.score,
         score_name="similarity of neighborhoods minus strain, 1 is best",
         alternatives=tuple(_alternative(result, other, errors) for other in result.alternatives),
-        verdict=Verdict.from_advice(result.advice, trusted=result.status is not Status.DOUBTFUL),
+        verdict=Verdict.from_advice(result.advice, trusted=result.status is Status.GOOD),
         summary=_sentences(result, document),
         facts=facts_of(
             document,
