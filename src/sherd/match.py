@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Unpack
 
@@ -18,11 +18,18 @@ from sherd.correspondence.confidence import (
     share_laid_double,
 )
 from sherd.correspondence.hints import check_hints, pins_of, without_ignored, working_pins
+from sherd.correspondence.labels.anchors import chance_energy, find_anchors, first_labeling
 from sherd.correspondence.labels.labeling import SAME_SCALE, UNKNOWN_SCALE
 from sherd.correspondence.placements import (
-    anchor_labeling,
+    anchor_problem,
     mirrored_placement,
     second_placement,
+)
+from sherd.correspondence.plausibility import (
+    FEATURELESS,
+    placement_chance,
+    placement_features,
+    self_likeness,
 )
 from sherd.correspondence.question import Question
 from sherd.correspondence.scale import (
@@ -66,6 +73,9 @@ STAGES = (
 
 # A twin whose score is this close to the best could be the right one without its handedness.
 PLAUSIBLE = 0.1
+# Repeated runs on remeshed copies of one pair differ by about as much: a twin that is better by
+# more explains the part better than the answer does.
+TWIN_MARGIN = 0.02
 # When answers are promised to be near for fewer than half of the vertices, another shape would do.
 POOR = 0.5
 # No place can be used twice; up to this share of the part it may be noise.
@@ -166,7 +176,11 @@ def match_one_side(
             question = question.with_part(surface)
         queries = part_queries(surface, rng)
     with stages("anchors"):
-        labeling = anchor_labeling(question, rng)
+        problem = anchor_problem(question, rng)
+        start = first_labeling(problem)
+        labeling = find_anchors(problem, start=start)
+        # a generator of its own: what follows stays what it would be without this
+        chance_level = chance_energy(problem, np.random.default_rng(options.seed))
     with stages("first placement"):
         first = placement_from_labeling(question, labeling, queries)
     with stages("second placement"):
@@ -176,17 +190,14 @@ def match_one_side(
         twin = mirrored_placement(question, queries, rng)
     with stages("confidence"):
         trust = _trust(question, queries, best, other)
+        features = placement_features(
+            surface, best, other, (start.energy, labeling.energy), chance_energy=chance_level
+        )
+        chance = placement_chance(features)
     with stages("region"):
         membership, mask = _region(question, best, trust.matched)
-    doubts = Doubts(
-        unlike=_fits_poorly(trust, share_laid_double(surface, best.deformation)),
-        scale_unknown=unknown,
-        scale_bound=scale if estimate.at_bound else None,
-        unfollowed=unfollowed_landmarks(question, pins, best.points),
-        units=_unit_proposal(template, part, options),
-    )
     way_back = WayBack(template.intake, part, kept_vertices)
-    return MatchResult(
+    result = MatchResult(
         full=template.full,
         part=turned_as_repaired(part),
         best=way_back.placement(
@@ -201,15 +212,31 @@ def match_one_side(
         scale=scale,
         second_score=other.score,
         twin_score=twin.score,
-        status=doubts.status,
-        advice=doubts.advice,
-        unfollowed_landmarks=doubts.unfollowed,
+        status=Status.GOOD,
         timings=MappingProxyType(dict(stages.seconds)),
         options=options,
         working_vertices=MappingProxyType(
             {"full": template.mesh.vertex_count, "part": surface.mesh.vertex_count}
         ),
         notices=MappingProxyType({"full": template.intake.notices, "part": part.notices}),
+        chance=chance,
+    )
+    doubts = Doubts(
+        chance=chance,
+        featureless=self_likeness(surface) > FEATURELESS,
+        twin=twin.score > best.score + TWIN_MARGIN,
+        unchecked=result.check().failures,
+        unlike=_fits_poorly(trust, share_laid_double(surface, best.deformation)),
+        scale_unknown=unknown,
+        scale_bound=scale if estimate.at_bound else None,
+        unfollowed=unfollowed_landmarks(question, pins, best.points),
+        units=_unit_proposal(template, part, options),
+    )
+    return replace(
+        result,
+        status=doubts.status,
+        advice=doubts.advice,
+        unfollowed_landmarks=doubts.unfollowed,
     )
 
 

@@ -8,14 +8,9 @@ from typing import Unpack
 import numpy as np
 
 from sherd.arrays import Ints
-from sherd.correspondence.labels.labeling import (
-    SAME_SCALE,
-    UNKNOWN_SCALE,
-    Problem,
-    labeling_problem,
-)
+from sherd.correspondence.labels.labeling import SAME_SCALE, UNKNOWN_SCALE, Problem
 from sherd.correspondence.labels.two_way import two_way_labelings
-from sherd.correspondence.placements import node_similarity
+from sherd.correspondence.placements import anchor_problem
 from sherd.correspondence.question import Question
 from sherd.correspondence.registration import surface_points
 from sherd.correspondence.scale import LARGEST_SCALE, SAME, ScaleEstimate, estimated_scale
@@ -229,12 +224,8 @@ def _scale(questions: Both[Question], options: OverlapOptions) -> ScaleEstimate:
 
 
 def _problems(questions: Both[Question], seed: int) -> Both[Problem]:
-    problems = []
-    for question in questions:
-        part = question.part
-        similarity = node_similarity(question, part.trusted_spectra(part.sparse.vertices))
-        problems.append(labeling_problem(question, similarity, np.random.default_rng(seed)))
-    return (problems[0], problems[1])
+    there, back = (anchor_problem(question, np.random.default_rng(seed)) for question in questions)
+    return (there, back)
 
 
 def _queries(part: DescribedSurface, options: OverlapOptions) -> Queries:

@@ -25,7 +25,8 @@ NAMES = frozenset(
         RESULT, "report.html", "region.csv", "region.ply", "region.png", "part.ply", "full.ply",
         "correspondence.csv", "correspondence.corr", "correspondence.map", "correspondence.vts",
         "match.png", "alternatives.npz", "inverse.csv", "first_region.csv",
-        "second_region.csv", "first.ply", "second.ply", "overlap.png", "full.vtp", "part.vtp", "result.npz", "result.mat",
+        "second_region.csv", "first.ply", "second.ply", "overlap.png",
+        "full.vtp", "part.vtp", "result.npz", "result.mat",
     }
 )  # fmt: skip
 

@@ -279,6 +279,8 @@ class Exhibit:
         (n,) bool, the place the camera must see; from the first mask layer when None.
     curve
         How what is shared grows with the accepted strain, if that was asked.
+    names
+        What `full` and `part` are called.
     up
         Which direction of the full shape's file points up; guessed when None.
 
@@ -306,6 +308,7 @@ class Exhibit:
     ignored: tuple[int, ...] = ()
     region: Bools | None = None
     curve: SharedCurve | None = None
+    names: tuple[str, str] = ("Full shape", "Part")
     up: tuple[float, float, float] | None = None
 
     def __post_init__(self) -> None:

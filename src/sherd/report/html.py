@@ -61,6 +61,8 @@ def page(exhibit: Exhibit, *, largest: int = LARGEST_SHOWN) -> str:
         "title": html.escape(exhibit.title),
         "verdict": _verdict(exhibit.verdict),
         "headline": html.escape(exhibit.summary[0] if exhibit.summary else ""),
+        "full_name": html.escape(exhibit.names[0]),
+        "part_name": html.escape(exhibit.names[1]),
         "full_caption": html.escape(_caption(exhibit.full)),
         "part_caption": html.escape(_caption(exhibit.part)),
         "picture": base64.b64encode(png_bytes(image)).decode("ascii"),

@@ -80,6 +80,7 @@ def _document(result: MatchResult, command: str, errors: Floats | None) -> dict[
         **common_facts(result, file_format=MATCH_FORMAT, command=command),
         "status": result.status.name.lower(),
         "advice": result.advice,
+        "chance": result.chance,
         "scale": result.scale,
         "area_fraction": result.part.area * result.scale**2 / result.full.area,
         "unmatched": int((~result.matched).sum()),
@@ -116,7 +117,7 @@ def _exhibit(result: MatchResult, document: Mapping[str, Any], errors: Floats | 
         summary=_sentences(result, document),
         facts=facts_of(
             document,
-            ("status", "advice", "scale", "area_fraction", "unmatched"),
+            ("status", "advice", "chance", "scale", "area_fraction", "unmatched"),
             **truth,
             Scores=document["scores"],
         ),

@@ -132,6 +132,7 @@ def _exhibit(result: Overlap, document: Mapping[str, Any]) -> Exhibit:
         landmarks=tuple((second, first) for first, second in result.options.landmarks),
         ignored=tuple(result.options.ignore_second),
         region=one.matched if one.matched.any() else np.ones(len(one.matched), dtype=bool),
+        names=("First shape", "Second shape"),
         curve=SharedCurve(
             result.curve.strains, result.curve.first, result.curve.second, result.options.strain
         ),

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from scipy import sparse
 from scipy.sparse import csgraph
@@ -19,7 +21,7 @@ from sherd.correspondence.labels.labeling import (
 )
 from sherd.correspondence.labels.labeling_data import State
 
-__all__ = ["candidates_again", "find_anchors", "first_labeling", "grown"]
+__all__ = ["candidates_again", "chance_energy", "find_anchors", "first_labeling", "grown"]
 
 
 # The right label is among the 30 most similar of 1,200 for nine nodes in ten of real cuts.
@@ -52,13 +54,17 @@ NEAR_LABELS = 4
 
 
 def find_anchors(
-    problem: Problem, *, step: float = SIMILARITY_STEP, rounds: int = ROUNDS
+    problem: Problem,
+    *,
+    step: float = SIMILARITY_STEP,
+    rounds: int = ROUNDS,
+    start: Labeling | None = None,
 ) -> Labeling:
     """Label the nodes: candidates by similarity, then proposals from neighbors, then growth.
 
-    `step` is the lack of similarity that costs one unit.
+    `step` is the lack of similarity that costs one unit, `start` the first labeling if it is known.
     """
-    best = first_labeling(problem, step=step)
+    best = first_labeling(problem, step=step) if start is None else start
     for _ in range(rounds - 1):
         best = solve(problem, *candidates_again(problem, best), step=step)
     other = grown(problem, best, _core(problem, best), step=step)
@@ -73,6 +79,21 @@ def first_labeling(problem: Problem, *, step: float = SIMILARITY_STEP) -> Labeli
     """The labeling with the most similar labels as candidates."""
     similar, turn = _most_similar(problem)
     return solve(problem, similar, _at(turn, similar), step=step)
+
+
+def chance_energy(problem: Problem, rng: np.random.Generator) -> float:
+    """Energy per node when every node has the similarities of another one: nothing belongs.
+
+    This leaves shapes, cuts and likeness what they are and mixes up only what looks like what. Of
+    one round, which is enough to compare with.
+    """
+    order = rng.permutation(len(problem.nodes))
+    mixed = replace(
+        problem,
+        similarity=np.ascontiguousarray(problem.similarity[order]),
+        forbidden=problem.forbidden[order],
+    )
+    return first_labeling(mixed).energy
 
 
 def candidates_again(

@@ -102,7 +102,8 @@ def consistent_nodes(
 def _groups(problem: Problem, labeling: Labeling, kept: Bools) -> Ints:
     """The group (k,) of each node that is kept, -1 for the others."""
     labels, rotations = labeling.labels[:, None], labeling.rotations[:, None]
-    paid = pair_costs(problem, labels, rotations)[:, 0, 0] / problem.measures.weight
+    weight = np.maximum(problem.measures.weight, 1e-12)  # 0 between components
+    paid = pair_costs(problem, labels, rotations)[:, 0, 0] / weight
     near = kept[problem.edges].all(axis=1) & (problem.measures.length < GROUP_REACH)
     tied = problem.edges[near & (paid < GROUP_COST)]
     count = len(kept)

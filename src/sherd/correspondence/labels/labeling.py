@@ -93,6 +93,8 @@ LOCAL_LENGTH = 0.25
 PIN_SLACK, PIN_STRETCH = 0.04, 1.2
 # A boundary is crossed by edges to near neighbors; longer ones only say that it lies between.
 FAR_BOUNDARY = 0.1
+# Stands for the distance of labels on different components: farther than anything on one.
+ELSEWHERE_LENGTH = 1e3
 # The local cost of what is placed nowhere: more than any that is placed has.
 NOWHERE_COST = 2.0 * LIMIT + LONGER_LIMIT
 
@@ -146,7 +148,9 @@ class Problem:
     @cached_property
     def full_geometry(self) -> FullGeometry:
         """Distances and directions between the labels, for kernels."""
-        return FullGeometry(self.labels.between, self.labels.headings)
+        # the square of an infinite length over itself would be no number
+        between = np.minimum(self.labels.between, ELSEWHERE_LENGTH).astype(np.float32, copy=False)
+        return FullGeometry(between, self.labels.headings)
 
 
 @dataclass(frozen=True, eq=False)

@@ -18,7 +18,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from sherd.arrays import Bools, Floats, Ints
-from sherd.correspondence.labels.anchors import candidates_again, find_anchors, first_labeling
+from sherd.correspondence.labels.anchors import candidates_again, chance_energy, find_anchors
 from sherd.correspondence.labels.consistent import consistent_nodes
 from sherd.correspondence.labels.labeling import NOWHERE_COST, Labeling, Problem, solve
 
@@ -98,17 +98,6 @@ def two_way_labelings(
 def _only(labeling: Labeling, kept: Bools) -> Labeling:
     cost = np.where(kept, labeling.local_cost, NOWHERE_COST)
     return replace(labeling, placed=kept, local_cost=cost)
-
-
-def chance_energy(problem: Problem, rng: np.random.Generator) -> float:
-    """Energy per node when every node has the similarities of another one."""
-    order = rng.permutation(len(problem.nodes))
-    mixed = replace(
-        problem,
-        similarity=np.ascontiguousarray(problem.similarity[order]),
-        forbidden=problem.forbidden[order],
-    )
-    return first_labeling(mixed).energy
 
 
 def _labeled_again(problem: Problem, own: Labeling, other: Labeling) -> Labeling:

@@ -99,6 +99,7 @@ def _overlap_exhibit(path: Path, document: Mapping[str, Any]) -> Exhibit:
         ),
         command=str(document.get("command", "")),
         region=inside if inside.any() else np.ones(len(inside), dtype=bool),
+        names=("First shape", "Second shape"),
         curve=SharedCurve(
             tuple(curve["strains"]),
             tuple(curve["first"]),
