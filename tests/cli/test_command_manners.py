@@ -22,7 +22,21 @@ from sherd.spectral.sampling import decimate
 
 LEAVES = [
     *([name] for name in COMMANDS if name != "bench"),
-    *(["bench", name] for name in ("region", "paper", "shrec16", "faust", "smal", "robustness")),
+    *(
+        ["bench", name]
+        for name in (
+            "region",
+            "paper",
+            "shrec16",
+            "faust",
+            "smal",
+            "smal-match",
+            "cp2p",
+            "singleview",
+            "belonging",
+            "robustness",
+        )
+    ),
 ]
 
 

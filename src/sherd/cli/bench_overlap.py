@@ -1,4 +1,4 @@
-"""`sherd bench cp2p`, `smal` and `singleview`: overlap over the pairs of a data set."""
+"""`sherd bench cp2p`, `smal`, `singleview` and `belonging`: what is shared, what is foreign."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from typing import Any
 
 import click
 
+from sherd.benchmark.belonging import belonging_benchmark, belonging_table
 from sherd.benchmark.datasets.cut_pairs import cut_pair_set
 from sherd.benchmark.datasets.overlaps import OverlapSet
 from sherd.benchmark.datasets.pairs import BenchmarkSettings
@@ -16,7 +17,7 @@ from sherd.benchmark.datasets.single_view import single_view_set
 from sherd.benchmark.datasets.smal import smal_overlap_set
 from sherd.benchmark.overlap_benchmark import overlap_benchmark, overlap_table
 
-__all__ = ["cp2p_command", "singleview_command", "smal_command"]
+__all__ = ["belonging_command", "cp2p_command", "singleview_command", "smal_command"]
 
 OPTIONS = (
     click.argument("directory", type=click.Path(path_type=Path)),
@@ -100,3 +101,25 @@ def smal_command(directory: Path, settings: BenchmarkSettings) -> OverlapSet:
       sherd bench smal smal_parts/ --rotate -o bench/
     """  # noqa: D301
     return smal_overlap_set(directory, settings)
+
+
+@click.command("belonging")
+@click.argument("directory", type=click.Path(path_type=Path))
+@click.option("--remeshed", type=click.Path(path_type=Path), help="Parts meshed anew.")
+@click.option("--pairs", "limit", type=int, help="So many parts only.")
+@click.option("--jobs", type=int, default=1, show_default=True, help="Processes.")
+@click.option("-o", "--output", type=click.Path(path_type=Path), required=True, help="Folder.")
+def belonging_command(
+    directory: Path, *, remeshed: Path | None, limit: int | None, jobs: int, output: Path
+) -> int:
+    """Match and locate every cut on its own shape and on a foreign one.
+
+    DIRECTORY is a SHREC'16 folder. Writes belonging.json; goes on where an interrupted run stopped.
+
+    \b
+    Example:
+      sherd bench belonging shrec16/ --remeshed shrec16_remeshed/ -o bench/
+    """  # noqa: D301
+    rows = belonging_benchmark(directory, output, remeshed=remeshed, limit=limit, jobs=jobs)
+    click.echo(belonging_table(rows))
+    return 0

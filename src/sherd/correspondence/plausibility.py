@@ -27,7 +27,7 @@ FEATURES = (
     "one", "first energy over chance", "energy over chance", "strain", "disagreement",
 )  # fmt: skip
 # A logistic regression over 49 placements: parts of a generated animal and of three animated ones
-# on themselves in another pose, on each other, and six smooth shapes on all. Of right ones the chance
+# on themselves in another pose, on each other, and six smooth shapes on all. Of right ones it
 # was 0.88 and more but for one of error 4.3 (0.26), of foreign ones 0.25 and less but for a cat's
 # half on a lion (0.53). Lack of similarity told nothing that these do not.
 COEFFICIENTS = (7.2, -9.7, -3.7, -0.4, -2.7)
