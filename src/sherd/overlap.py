@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import MappingProxyType
 from typing import Unpack
 
@@ -23,7 +24,6 @@ from sherd.correspondence.shared.hints import (
 )
 from sherd.correspondence.shared.judgment import (
     overlap_chance,
-    overlap_features,
     shared_confidence,
     strain_curve,
     unfollowed_pairs,
@@ -38,6 +38,7 @@ from sherd.results.advice import OverlapDoubts
 from sherd.results.keywords import options_of
 from sherd.results.overlap_options import OverlapKeywords, OverlapOptions
 from sherd.results.overlap_result import Overlap, SharedMap
+from sherd.results.status import Status
 from sherd.scan.intake import ScanSource, scan_intake
 from sherd.surface.described import DescribedSurface
 from sherd.surface.prepared import described_part
@@ -138,22 +139,14 @@ def overlap(
             for side, place in enumerate(placements)
         )
         curve = strain_curve(questions, placements)
-    chance = overlap_chance(overlap_features(problems, labelings, queries, placements))
-    doubts = OverlapDoubts(
-        chance=chance,
-        shared=all(bool(each.matched.any()) for each in maps),
-        scale_bound=scale if estimate.at_bound else None,
-        unfollowed=unfollowed_pairs(
-            landmarks[:, 2:], intakes[0].original, maps[0].points, _unit(shapes, scale)
-        ),
-    )
-    return Overlap(
+    chance = overlap_chance(labelings.agreement)
+    result = Overlap(
         first=intakes[0].original,
         second=intakes[1].original,
         second_to_first=maps[0],
         first_to_second=maps[1],
         scale=scale,
-        status=doubts.status,
+        status=Status.GOOD,
         chance=chance,
         curve=curve,
         timings=MappingProxyType(dict(stages.seconds)),
@@ -162,6 +155,19 @@ def overlap(
             {"first": surfaces[0].mesh.vertex_count, "second": surfaces[1].mesh.vertex_count}
         ),
         notices=MappingProxyType({"first": intakes[0].notices, "second": intakes[1].notices}),
+    )
+    doubts = OverlapDoubts(
+        chance=chance,
+        shared=all(bool(each.matched.any()) for each in maps),
+        checked=result.check().passed,
+        scale_bound=scale if estimate.at_bound else None,
+        unfollowed=unfollowed_pairs(
+            landmarks[:, 2:], intakes[0].original, maps[0].points, _unit(shapes, scale)
+        ),
+    )
+    return replace(
+        result,
+        status=doubts.status,
         advice=doubts.advice,
         unfollowed_landmarks=doubts.unfollowed,
     )

@@ -56,7 +56,7 @@ def test_a_shred_narrower_than_the_width_goes_with_its_surroundings() -> None:
 
 
 def test_there_and_back_of_the_identity_is_no_way_and_over_the_border_is_told() -> None:
-    mesh = flat(31)
+    mesh = flat(61)  # fine enough for no edge to be split
     surface = DescribedSurface(working_surface(mesh))
     question = Question(surface, surface, SAME_SCALE)
     still = np.tile(np.eye(3), (mesh.vertex_count, 1, 1))

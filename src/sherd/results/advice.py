@@ -158,6 +158,8 @@ class OverlapDoubts:
         That the answer as a whole is right.
     shared
         Whether anything is shared.
+    checked
+        Whether the answer passes the check that is re-derived from the meshes.
     scale_bound
         The scale, if it stands at its bound.
     unfollowed
@@ -166,6 +168,7 @@ class OverlapDoubts:
 
     chance: float = 1.0
     shared: bool = True
+    checked: bool = True
     scale_bound: float | None = None
     unfollowed: tuple[UnfollowedLandmark, ...] = ()
 
@@ -174,7 +177,12 @@ class OverlapDoubts:
         """Good if nothing speaks against it."""
         if not self.shared or self.chance < FOREIGN:
             return Status.FOREIGN
-        doubtful = self.chance < SURE or self.scale_bound is not None or self.unfollowed
+        doubtful = (
+            self.chance < SURE
+            or not self.checked
+            or self.scale_bound is not None
+            or self.unfollowed
+        )
         return Status.DOUBTFUL if doubtful else Status.GOOD
 
     @property
@@ -190,6 +198,8 @@ class OverlapDoubts:
                 f"the chance that the answer is right is {self.chance:.2f}; look at both shapes in "
                 "the report, or give landmarks"
             )
+        if not self.checked:
+            said.append("areas, or there and back, do not agree; look at both shapes in the report")
         if self.scale_bound is not None:
             said.append(
                 f"the scale stands at its bound, {self.scale_bound:.4g}; give a factor "

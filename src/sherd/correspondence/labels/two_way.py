@@ -50,6 +50,9 @@ class TwoLabelings:
         (k,) bool, nodes that are placed and that the other direction brings back.
     chance
         Energy per node of both when nodes are mixed up.
+    agreement
+        Of the nodes that were worth their price, the share that both directions agree on:
+        geometric mean of both, so that one direction alone proves nothing.
     """
 
     forward: Labeling
@@ -57,6 +60,7 @@ class TwoLabelings:
     forward_agrees: Bools
     backward_agrees: Bools
     chance: tuple[float, float]
+    agreement: float
 
 
 def two_way_labelings(
@@ -80,6 +84,7 @@ def two_way_labelings(
     )
     worth = (WORTH_SHARE * chance[0], WORTH_SHARE * chance[1])
     agrees = (found[0].placed, found[1].placed)
+    agreement = 0.0
     for _ in range(ROUNDS):
         found = (
             _labeled_again(priced[0], found[0], found[1]),
@@ -90,9 +95,18 @@ def two_way_labelings(
             closing_nodes(backward, found[1], found[0]),
         )
         agrees = consistent_nodes(problems, found, closing, worth)
+        agreement = _agreement(found, agrees)
         # the next round hears only of what can be true together
         found = (_only(found[0], agrees[0]), _only(found[1], agrees[1]))
-    return TwoLabelings(*found, *agrees, chance)
+    return TwoLabelings(*found, *agrees, chance, agreement)
+
+
+def _agreement(found: tuple[Labeling, Labeling], agrees: tuple[Bools, Bools]) -> float:
+    shares = [
+        kept.sum() / max(int(labeling.placed.sum()), 1)
+        for labeling, kept in zip(found, agrees, strict=True)
+    ]
+    return float(np.sqrt(shares[0] * shares[1]))
 
 
 def _only(labeling: Labeling, kept: Bools) -> Labeling:
