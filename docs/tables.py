@@ -52,7 +52,7 @@ def region_rows(setting: str, document: dict[str, Any]) -> list[str]:
 
 
 def individuals_rows(setting: str, document: dict[str, Any]) -> list[str]:
-    """A row for each kind and for all from `sherd bench faust` or `sherd bench smal`."""
+    """A row for each kind and for all from `sherd bench faust` or `sherd bench smal-match`."""
     rows = []
     for kind, total in [*document["totals"].items(), ("together", document["together"])]:
         large = total["large"]

@@ -44,6 +44,7 @@ FLOORS = {
     "correspondence": 8,
     "match": 9,
     "locate": 9,
+    "overlap": 9,
     "report": 10,
     "benchmark": 11,
     "cli": 12,

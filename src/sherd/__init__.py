@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from sherd.mesh.point_cloud import PointCloud
     from sherd.mesh.surface_points import SurfacePoints
     from sherd.mesh.triangle_mesh import TriangleMesh
+    from sherd.overlap import overlap
     from sherd.repair.inspection import MeshReport, inspect
     from sherd.repair.repair import RepairReport, repair
     from sherd.report.notebook import plot, show
@@ -44,6 +45,8 @@ if TYPE_CHECKING:
     from sherd.results.locate_result import LocateResult
     from sherd.results.match_options import MatchOptions
     from sherd.results.match_result import MatchResult
+    from sherd.results.overlap_options import OverlapOptions
+    from sherd.results.overlap_result import Overlap
     from sherd.results.placement import Placement
     from sherd.results.status import Status
     from sherd.scan.surface_from_points import surface_from_points
@@ -63,6 +66,8 @@ _HOMES = {
     "MeshReport": "sherd.repair.inspection",
     "OptionError": "sherd.errors",
     "OutputError": "sherd.errors",
+    "Overlap": "sherd.results.overlap_result",
+    "OverlapOptions": "sherd.results.overlap_options",
     "Placement": "sherd.results.placement",
     "PointCloud": "sherd.mesh.point_cloud",
     "RepairReport": "sherd.repair.repair",
@@ -74,6 +79,7 @@ _HOMES = {
     "inspect": "sherd.repair.inspection",
     "locate": "sherd.locate",
     "match": "sherd.match",
+    "overlap": "sherd.overlap",
     "plot": "sherd.report.notebook",
     "read_match": "sherd.report.stored.stored_match",
     "read_mesh": "sherd.files.mesh_files",
@@ -98,6 +104,8 @@ __all__ = [
     "MeshReport",
     "OptionError",
     "OutputError",
+    "Overlap",
+    "OverlapOptions",
     "Placement",
     "PointCloud",
     "RepairReport",
@@ -110,6 +118,7 @@ __all__ = [
     "inspect",
     "locate",
     "match",
+    "overlap",
     "plot",
     "read_match",
     "read_mesh",

@@ -37,7 +37,6 @@ def compiled(**options: Any) -> Callable[[Callable[..., Any]], Any]:
     It runs beside other threads: none of ours touches Python's objects.
     Where no folder can be written it is compiled anew in every process.
     """
-
     options = {"nogil": True, **options}
 
     def decorate(function: Callable[..., Any]) -> Any:

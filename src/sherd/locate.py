@@ -3,12 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from types import MappingProxyType
 from typing import Unpack
 
 import numpy as np
 
 from sherd.arrays import Bools, Floats, frozen
+from sherd.correspondence.labels.labeling import SAME_SCALE
+from sherd.correspondence.plausibility import (
+    FEATURELESS,
+    belonging_chance,
+    first_energy_ratio,
+    self_likeness,
+)
+from sherd.correspondence.question import Question
 from sherd.energy.cleanup import raised_to_area, threshold_to_area
 from sherd.mesh.sides import bulge
 from sherd.mesh.sizes import check_sizes
@@ -26,13 +35,14 @@ from sherd.scan.numbering import turned_as_repaired
 from sherd.surface.described import DescribedSurface
 from sherd.surface.prepared import as_template, described_part
 from sherd.surface.template import Template
-from sherd.threads import one_blas_thread
+from sherd.threads import begun, one_blas_thread
 
 __all__ = ["STAGES", "locate", "locate_one_side"]
 
 # Of the default method.
 STAGES = (
-    "samples", "descriptors", "eigenbasis", "votes", "region", "alternatives", "numbering",
+    "samples", "descriptors", "eigenbasis", "votes", "region", "alternatives", "belonging",
+    "numbering",
 )  # fmt: skip
 
 
@@ -80,7 +90,8 @@ def locate(
 
     Notes
     -----
-    About 4 s for 10,000 + 5,000 vertices on two cores. Larger meshes are decimated for the
+    About 8 s for 10,000 + 5,000 vertices on two cores, half of it to tell whether the part belongs
+    at all; with a template that is kept, less. Larger meshes are decimated for the
     search, and the answer is carried back to every vertex.
 
     References
@@ -118,8 +129,14 @@ def locate_one_side(
     check_sizes(template.intake.mesh, part.mesh)
     described = described_part(part.mesh, template.length)
     method = locate_by_voting if options.method == "voting" else locate_by_integrals
+    chance, featureless = None, False
+    belonging = partial(_belonging, template, described, options.seed)
+    judged = begun(belonging) if options.method == "voting" else None
     with one_blas_thread():
         found = method(template, described, options, stages)
+    if judged is not None:
+        with stages("belonging"):
+            chance, featureless = judged()
     with stages("numbering"):
         area = min(described.placed.area, template.placed.area)
         return LocateResult(
@@ -140,7 +157,16 @@ def locate_one_side(
             timings=MappingProxyType(dict(stages.seconds)),
             working_vertices=_working_vertices(template, described),
             notices=MappingProxyType({"full": template.intake.notices, "part": part.notices}),
+            chance=chance,
+            featureless=featureless,
         )
+
+
+def _belonging(full: Template, part: DescribedSurface, seed: int) -> tuple[float, bool]:
+    """The chance that the part belongs on the full shape, and whether it has no features."""
+    question = Question(full, part, SAME_SCALE)
+    ratio = first_energy_ratio(question, np.random.default_rng(seed))
+    return belonging_chance(ratio), self_likeness(part) > FEATURELESS
 
 
 def _working_vertices(full: DescribedSurface, part: DescribedSurface) -> MappingProxyType[str, int]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Unpack
 
@@ -18,14 +18,27 @@ from sherd.correspondence.confidence import (
     share_laid_double,
 )
 from sherd.correspondence.hints import check_hints, pins_of, without_ignored, working_pins
+from sherd.correspondence.labels.anchors import chance_energy, find_anchors, first_labeling
 from sherd.correspondence.labels.labeling import SAME_SCALE, UNKNOWN_SCALE
 from sherd.correspondence.placements import (
-    anchor_labeling,
+    anchor_problem,
     mirrored_placement,
     second_placement,
 )
+from sherd.correspondence.plausibility import (
+    FEATURELESS,
+    placement_chance,
+    placement_features,
+    self_likeness,
+)
 from sherd.correspondence.question import Pins, Question
-from sherd.correspondence.scale import LARGEST_SCALE, SAME, estimated_scale
+from sherd.correspondence.scale import (
+    LARGEST_SCALE,
+    SAME,
+    ScaleEstimate,
+    estimated_scale,
+    largest_factor,
+)
 from sherd.correspondence.unfollowed import unfollowed_landmarks
 from sherd.correspondence.working_placement import (
     Queries,
@@ -63,6 +76,9 @@ STAGES = (
 
 # A twin whose score is this close to the best could be the right one without its handedness.
 PLAUSIBLE = 0.1
+# Repeated runs on remeshed copies of one pair differ by about as much: a twin that is better by
+# more explains the part better than the answer does.
+TWIN_MARGIN = 0.02
 # When answers are promised to be near for fewer than half of the vertices, another shape would do.
 POOR = 0.5
 # No place can be used twice; up to this share of the part it may be noise.
@@ -155,7 +171,7 @@ def match_one_side(
         comparison = UNKNOWN_SCALE if unknown else SAME_SCALE
         question = Question(template, surface, comparison, working_pins(surface, pins))
     with stages("scale"):
-        estimate = estimated_scale(question, rng) if unknown else SAME
+        estimate = _scale(question, rng) if unknown else SAME
         scale = options.factor * estimate.factor
         if estimate.factor != 1.0:
             unit = template.length / scale
@@ -164,7 +180,11 @@ def match_one_side(
         queries = part_queries(question, rng)
     twin_placement = begun(lambda: mirrored_placement(question, queries, twin_rng))
     with stages("anchors"):
-        labeling = anchor_labeling(question, rng)
+        problem = anchor_problem(question, rng)
+        start = first_labeling(problem)
+        labeling = find_anchors(problem, start=start)
+        # a generator of its own: what follows stays what it would be without this
+        chance_level = chance_energy(problem, np.random.default_rng(options.seed))
     with stages("first placement"):
         first = placement_from_labeling(question, labeling, queries)
     with stages("second placement"):
@@ -174,17 +194,14 @@ def match_one_side(
         twin = twin_placement()
     with stages("confidence"):
         trust = _trust(question, queries, best, other)
+        features = placement_features(
+            surface, best, other, (start.energy, labeling.energy), chance_energy=chance_level
+        )
+        chance = placement_chance(features)
     with stages("region"):
         membership, mask = _region(question, best, trust.matched)
-    doubts = Doubts(
-        unlike=_fits_poorly(trust, share_laid_double(surface, best.deformation)),
-        scale_unknown=unknown,
-        scale_bound=scale if estimate.at_bound else None,
-        unfollowed=unfollowed_landmarks(question, pins, best.points),
-        units=_unit_proposal(template, part, options),
-    )
     way_back = WayBack(template.intake, part, kept_vertices)
-    return MatchResult(
+    result = MatchResult(
         full=template.full,
         part=turned_as_repaired(part),
         best=way_back.placement(
@@ -199,16 +216,36 @@ def match_one_side(
         scale=scale,
         second_score=other.score,
         twin_score=twin.score,
-        status=doubts.status,
-        advice=doubts.advice,
-        unfollowed_landmarks=doubts.unfollowed,
+        status=Status.GOOD,
         timings=MappingProxyType(dict(stages.seconds)),
         options=options,
         working_vertices=MappingProxyType(
             {"full": template.mesh.vertex_count, "part": surface.mesh.vertex_count}
         ),
         notices=MappingProxyType({"full": template.intake.notices, "part": part.notices}),
+        chance=chance,
     )
+    doubts = Doubts(
+        chance=chance,
+        featureless=self_likeness(surface) > FEATURELESS,
+        twin=twin.score > best.score + TWIN_MARGIN,
+        unchecked=result.check().failures,
+        unlike=_fits_poorly(trust, share_laid_double(surface, best.deformation)),
+        scale_unknown=unknown,
+        scale_bound=scale if estimate.at_bound else None,
+        unfollowed=unfollowed_landmarks(question, pins, best.points),
+        units=_unit_proposal(template, part, options),
+    )
+    return replace(
+        result,
+        status=doubts.status,
+        advice=doubts.advice,
+        unfollowed_landmarks=doubts.unfollowed,
+    )
+
+
+def _scale(question: Question, rng: np.random.Generator) -> ScaleEstimate:
+    return estimated_scale(question, rng, largest=largest_factor(question))
 
 
 def _described(kept: TriangleMesh, unit: float, pins: Pins) -> DescribedSurface:

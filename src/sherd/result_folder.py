@@ -7,7 +7,7 @@ import hashlib
 import json
 import os
 import secrets
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
@@ -16,7 +16,7 @@ from typing import Any, Self
 from sherd.errors import OutputError
 from sherd.output import reported, require_writable
 
-__all__ = ["NAMES", "RESULT", "ResultFolder", "ResultKind", "replaceable_files"]
+__all__ = ["NAMES", "RESULT", "ResultFolder", "ResultKind", "kind_of", "replaceable_files"]
 
 RESULT = "result.json"
 # Whatever a result may consist of: a file of such a name is never taken for the user's own.
@@ -24,8 +24,9 @@ NAMES = frozenset(
     {
         RESULT, "report.html", "region.csv", "region.ply", "region.png", "part.ply", "full.ply",
         "correspondence.csv", "correspondence.corr", "correspondence.map", "correspondence.vts",
-        "match.png", "alternatives.npz", "full.vtp", "part.vtp", "result.glb", "result.npz",
-        "result.mat",
+        "match.png", "alternatives.npz", "inverse.csv", "first_region.csv",
+        "second_region.csv", "first.ply", "second.ply", "overlap.png",
+        "full.vtp", "part.vtp", "result.glb", "result.npz", "result.mat",
     }
 )  # fmt: skip
 
@@ -46,6 +47,19 @@ class ResultKind:
         """Whether both are the same question; the version of the format does not matter."""
         kind, other_kind = (k.file_format.rpartition(" ")[0] for k in (self, other))
         return (kind, self.full, self.part) == (other_kind, other.full, other.part)
+
+
+def kind_of(document: Mapping[str, Any]) -> ResultKind:
+    """The kind of a result by its ``result.json``.
+
+    Raises
+    ------
+    KeyError, TypeError
+        If it is none.
+    """
+    names = ("first", "second") if "first" in document else ("full", "part")
+    shapes = (str(document[name]["name"]) for name in names)
+    return ResultKind(str(document["format"]), *shapes)
 
 
 def replaceable_files(
@@ -116,14 +130,14 @@ def _stored(folder: Path) -> tuple[ResultKind, tuple[str, ...]] | None:
     """Kind and files of the result in a folder; None if there is none of ours."""
     try:
         document = json.loads((folder / RESULT).read_text(encoding="utf-8"))
-        names = (document["format"], document["full"]["name"], document["part"]["name"])
+        kind = kind_of(document)
         files = [Path(name).name for name in document["files"]]
     except (OSError, ValueError, KeyError, TypeError):
         return None
-    if not str(names[0]).startswith("sherd "):
+    if not kind.file_format.startswith("sherd "):
         return None
     kept = (name for name in files if (folder / name).is_file())
-    return ResultKind(*map(str, names)), tuple(kept)
+    return kind, tuple(kept)
 
 
 class ResultFolder:

@@ -20,9 +20,13 @@ from sherd.shapes.creature import creature, landmarks
 from sherd.shapes.fragment import cut_by_ball, whole
 from sherd.spectral.sampling import decimate
 
+BENCHES = (
+    "region", "paper", "shrec16", "faust", "smal", "smal-match", "cp2p", "singleview", "belonging",
+    "robustness",
+)  # fmt: skip
 LEAVES = [
     *([name] for name in COMMANDS if name != "bench"),
-    *(["bench", name] for name in ("region", "paper", "shrec16", "faust", "smal", "robustness")),
+    *(["bench", name] for name in BENCHES),
 ]
 
 

@@ -1,4 +1,4 @@
-"""`sherd bench shrec16`, `faust` and `smal`: match over the pairs of a data set."""
+"""`sherd bench shrec16`, `faust` and `smal-match`: match over the pairs of a data set."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from sherd.benchmark.datasets.smal import smal_set
 from sherd.benchmark.match_benchmark import match_benchmark
 from sherd.benchmark.match_summary import summary_table
 
-__all__ = ["faust_command", "shrec16_command", "smal_command"]
+__all__ = ["faust_command", "shrec16_command", "smal_match_command"]
 
 OPTIONS = (
     click.argument("directory", type=click.Path(path_type=Path)),
@@ -99,9 +99,9 @@ def faust_command(directory: Path, settings: BenchmarkSettings) -> PairSet:
     return faust_set(directory, settings)
 
 
-@click.command("smal")
+@click.command("smal-match")
 @_matching_all
-def smal_command(directory: Path, settings: BenchmarkSettings) -> PairSet:
+def smal_match_command(directory: Path, settings: BenchmarkSettings) -> PairSet:
     """Match parts of animals with parts of other animals, often of another species.
 
     DIRECTORY holds shapes/ and maps/. The method takes the second shape of each map for a full one,
@@ -110,6 +110,6 @@ def smal_command(directory: Path, settings: BenchmarkSettings) -> PairSet:
 
     \b
     Example:
-      sherd bench smal smal_parts/ --rotate --unknown-scale -o bench/
+      sherd bench smal-match smal_parts/ --rotate --unknown-scale -o bench/
     """  # noqa: D301
     return smal_set(directory, settings)

@@ -12,7 +12,13 @@ from sherd.benchmark.paper.run import paper_figures, paper_summary
 from sherd.benchmark.region import region_benchmark, region_table
 from sherd.benchmark.robustness import RobustnessRow, robustness, robustness_commands
 from sherd.benchmark.size import SIZES, size_benchmark, size_table
-from sherd.cli.bench_match import faust_command, shrec16_command, smal_command
+from sherd.cli.bench_match import faust_command, shrec16_command, smal_match_command
+from sherd.cli.bench_overlap import (
+    belonging_command,
+    cp2p_command,
+    singleview_command,
+    smal_command,
+)
 from sherd.cli.exits import INTERNAL
 from sherd.files.mesh_files import write_mesh
 from sherd.limits import require_whole
@@ -29,7 +35,10 @@ def bench_group() -> None:
     """Measure accuracy and speed on data sets and generated shapes."""
 
 
-for command in (shrec16_command, faust_command, smal_command):
+for command in (
+    shrec16_command, faust_command, smal_match_command, cp2p_command, smal_command,
+    singleview_command, belonging_command,
+):  # fmt: skip
     bench_group.add_command(command)
 
 

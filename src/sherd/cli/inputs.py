@@ -17,6 +17,7 @@ from sherd.result_folder import NAMES, ResultKind, replaceable_files
 from sherd.results.locate_result import LocateResult
 from sherd.results.match_options import SCALES
 from sherd.results.match_result import MatchResult
+from sherd.results.overlap_result import Overlap
 from sherd.scan.intake import mesh_intake
 from sherd.surface.template import Template
 
@@ -82,11 +83,16 @@ def check_outputs(
         require_writable(template)
 
 
-def show_notices(result: MatchResult | LocateResult, *, quiet: bool) -> None:
+def show_notices(result: MatchResult | LocateResult | Overlap, *, quiet: bool) -> None:
     """Say on standard error what was adapted; called once there is a result it applies to."""
     if quiet:
         return
-    for which, mesh in (("full", result.full), ("part", result.part)):
+    shapes = (
+        (("first", result.first), ("second", result.second))
+        if isinstance(result, Overlap)
+        else (("full", result.full), ("part", result.part))
+    )
+    for which, mesh in shapes:
         for text in result.notices[which]:
             note = click.style("note:", fg="yellow")
             click.echo(f"{note} {mesh.name}: {text}", err=True)

@@ -23,6 +23,7 @@ from sherd.report.stored.folder import REGION_FORMAT
 from sherd.report.write import write_report
 from sherd.results.locate_options import DESCRIPTORS, METHODS, SOLVERS, LocateOptions
 from sherd.results.locate_result import LocateResult
+from sherd.results.status import Status
 from sherd.scan.either_side import SIDES
 from sherd.scan.intake import scan_intake
 
@@ -121,7 +122,7 @@ def locate_command(
         click.echo(json.dumps(document, indent=2))
     elif not quiet:
         click.echo(summary(result, output))
-    return 0 if result.convergence.succeeded else NOT_CONVERGED
+    return 0 if result.trusted else NOT_CONVERGED
 
 
 def summary(result: LocateResult, output: Path) -> str:
@@ -133,5 +134,7 @@ def summary(result: LocateResult, output: Path) -> str:
     lines += [
         f"Alternative: {other.name}, score {other.score:.3f}" for other in result.alternatives
     ]
+    if result.doubts.status is not Status.GOOD:
+        lines.append(f"The result is {result.advice}.")
     lines.append(f"Open {output / 'report.html'} to see it; numbers are in {output}.")
     return "\n".join(lines)

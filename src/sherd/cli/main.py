@@ -16,6 +16,11 @@ __all__ = ["main"]
 COMMANDS = {
     "match": ("sherd.cli.matching", "match_command", "Find the partner of every point of a piece."),
     "locate": ("sherd.cli.locating", "locate_command", "Find where a piece belongs on the whole."),
+    "overlap": (
+        "sherd.cli.overlapping",
+        "overlap_command",
+        "Find what two incomplete shapes share.",
+    ),
     "view": ("sherd.cli.viewing", "view_command", "Open a report again, or draw it as PNG."),
     "transfer": (
         "sherd.cli.transferring",
@@ -56,6 +61,7 @@ def main(**_: Any) -> None:
       sherd demo
       sherd match template.ply scan.ply -o out/
       sherd locate template.ply scan.ply -o out/
+      sherd overlap left.ply right.ply -o out/
       sherd view out/ --png
       sherd check scan.obj
     """  # noqa: D301

@@ -196,7 +196,7 @@ def match_summary(result: MatchResult, document: dict[str, Any], output: Path) -
     lines += [
         f"Alternative: {other.name}, score {other.score:.3f}" for other in result.alternatives
     ]
-    if result.status is Status.DOUBTFUL:
+    if result.status is not Status.GOOD:
         lines.append(f"The result is {result.advice}.")
     if "ground_truth" in document:
         mean = document["ground_truth"]["mean_error_x100"]

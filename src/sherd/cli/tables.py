@@ -54,18 +54,17 @@ def columns_of(path: Path) -> dict[str, list[str]]:
     return {name: [row[k].strip() for row in rows[1:]] for k, name in enumerate(header)}
 
 
-def read_landmarks(path: Path) -> tuple[Ints, Ints]:
-    """Vertices of the part and of the full shape from CSV columns ``part_vertex,full_vertex``."""
+def read_landmarks(
+    path: Path, *, names: tuple[str, str] = ("part_vertex", "full_vertex")
+) -> tuple[Ints, Ints]:
+    """Vertices of both shapes from two columns of a CSV file."""
     columns = columns_of(path)
-    return (
-        whole_numbers_of(path, columns, "part_vertex"),
-        whole_numbers_of(path, columns, "full_vertex"),
-    )
+    return whole_numbers_of(path, columns, names[0]), whole_numbers_of(path, columns, names[1])
 
 
-def read_ignored(path: Path) -> Ints:
-    """Vertices from a CSV column ``part_vertex``."""
-    return whole_numbers_of(path, columns_of(path), "part_vertex")
+def read_ignored(path: Path, *, column: str = "part_vertex") -> Ints:
+    """Vertices from a column of a CSV file."""
+    return whole_numbers_of(path, columns_of(path), column)
 
 
 def read_ground_truth(path: Path, full: TriangleMesh, part: TriangleMesh) -> SurfacePoints:

@@ -8,8 +8,8 @@ from __future__ import annotations
 import numpy as np
 
 from sherd.arrays import Singles
-from sherd.correspondence.labels.anchors import find_anchors, proposed_anchors
-from sherd.correspondence.labels.labeling import SIMILARITY_STEP, Labeling, labeling_problem
+from sherd.correspondence.labels.anchors import find_anchors, first_labeling, proposed_anchors
+from sherd.correspondence.labels.labeling import SIMILARITY_STEP, Problem, labeling_problem
 from sherd.correspondence.question import Question
 from sherd.correspondence.working_placement import (
     Queries,
@@ -22,7 +22,7 @@ from sherd.descriptors.rotation_shot import pooled_similarity, trusted_equally
 from sherd.surface.described import RADII
 from sherd.surface.transformed import mirrored
 
-__all__ = ["anchor_labeling", "mirrored_placement", "node_similarity", "second_placement"]
+__all__ = ["anchor_problem", "mirrored_placement", "node_similarity", "second_placement"]
 
 # Once the region is known, neighborhoods agree better, and lack of similarity says more.
 SECOND_STEP = 0.5 * SIMILARITY_STEP
@@ -30,15 +30,15 @@ SECOND_ROUNDS = 2
 TWIN_ROUNDS = 2
 
 
-def anchor_labeling(question: Question, rng: np.random.Generator) -> Labeling:
-    """A label of the full shape and a rotation for each node of the part, jointly.
+def anchor_problem(question: Question, rng: np.random.Generator) -> Problem:
+    """What is to be labeled: each node of the part, by a label of the full shape and a rotation.
 
     By similarity of neighborhoods, which count less near the cut, and by consistency of lengths and
     directions.
     """
     part = question.part
     similarity = node_similarity(question, part.trusted_spectra(part.sparse.vertices))
-    return find_anchors(labeling_problem(question, similarity, rng))
+    return labeling_problem(question, similarity, rng)
 
 
 def second_placement(
@@ -60,10 +60,9 @@ def mirrored_placement(
 ) -> WorkingPlacement:
     """The best placement of the part's mirror image, as the left leg for the right."""
     image = question.with_part(mirrored(question.part))
-    part = image.part
-    similarity = node_similarity(image, part.trusted_spectra(part.sparse.vertices))
+    problem = anchor_problem(image, rng)
     # what growth would mend is not needed to judge it
-    labeling = proposed_anchors(labeling_problem(image, similarity, rng), rounds=TWIN_ROUNDS)
+    labeling = proposed_anchors(problem, first_labeling(problem), rounds=TWIN_ROUNDS)
     return rough_placement_from_labeling(image, labeling, mirrored_queries(queries))
 
 
@@ -72,7 +71,8 @@ def node_similarity(
 ) -> Singles:
     """Similarity (k, s, r) of each node with the members of each label's cell, by rotation.
 
-    `node_spectra` are not projected yet. `inside` are spectra of the full shape as seen within a region; all of it is seen if None.
+    `node_spectra` are not projected yet. `inside` are spectra of the full shape as seen within a
+    region; all of it is seen if None.
     """
     full = question.full
     members = full.dense.members

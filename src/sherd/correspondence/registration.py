@@ -25,6 +25,7 @@ __all__ = [
     "Deformation",
     "elastic_strain",
     "registered_to_places",
+    "registered_to_positions",
     "registered_to_surface",
     "surface_points",
 ]
@@ -73,10 +74,28 @@ def registered_to_places(question: Question, places: Ints, *, rounds: int = 12) 
 
     Places that remain far from the surface of their neighbors lose their weight.
     """
-    part = question.part
     targets = question.full.mesh.vertices[places]
-    deformation = Deformation(targets, fit_rotations(part.elastic, targets))
+    start = Deformation(targets, fit_rotations(question.part.elastic, targets))
+    return registered_to_positions(question, start, targets, rounds=rounds)
+
+
+def registered_to_positions(
+    question: Question,
+    start: Deformation,
+    targets: Floats,
+    *,
+    rounds: int,
+    present: Floats | None = None,
+) -> Deformation:
+    """The elastic part drawn from `start` to a position (n', 3) for each of its vertices.
+
+    `present` (n',) in [0, 1] is how far each vertex has a place at all; elasticity alone carries
+    those that have none. All have one if None.
+    """
+    part, deformation = question.part, start
     areas = part.mesh.vertex_areas / PLACE_LENGTH**2
+    if present is not None:
+        areas = areas * present
     for step in range(rounds):
         off = ((deformation.positions - targets) ** 2).sum(axis=1)
         limit = PLACE_LIMIT * max(1.0, FIRST_LIMIT - LIMIT_STEP * step)  # first nobody is wrong
@@ -94,11 +113,13 @@ def registered_to_surface(
     *,
     reaches: tuple[float, ...],
     slides: int = 3,
+    present: Floats | None = None,
 ) -> Deformation:
     """The elastic part laid on the full shape, drawn to similar places.
 
     One round per entry of `reaches`: look for similar places within that radius, then `slides`
-    times find the closest points of the surface and relax.
+    times find the closest points of the surface and relax. `present` (n',) in [0, 1] is how far
+    each vertex has a place at all; all have one if None.
     """
     full, part, queries = question.full, question.part, look.vertices
     areas = np.maximum(part.mesh.vertex_areas, 1e-9)
@@ -106,13 +127,15 @@ def registered_to_surface(
     for reach in reaches:
         targets, confidence, _ = similar_places(full, deformation.positions, look, reach=reach)
         confidence = confidence * look.trust
+        if present is not None:
+            confidence = confidence * present[queries]
         for _ in range(slides):
             normals = vertex_normals(deformation.positions, part.mesh.faces)
             points = full.finder.closest(deformation.positions, normals)
             foot = points.positions(full.mesh)
             up = points.interpolate(full.mesh, full.mesh.vertex_normals)
             up /= np.maximum(np.linalg.norm(up, axis=1, keepdims=True), 1e-12)
-            hold = areas / SURFACE_LENGTH**2
+            hold = (areas if present is None else areas * present) / SURFACE_LENGTH**2
             data = hold[:, None, None] * (up[:, :, None] * up[:, None, :] + ALONG * np.eye(3))
             pull = np.einsum("nij,nj->ni", data, foot)
             off = ((deformation.positions[queries] - targets) ** 2).sum(axis=1)

@@ -16,7 +16,14 @@ from sherd.mesh.sizes import LARGEST_PART
 from sherd.surface.transformed import enlarged, thinned
 from sherd.threads import begun
 
-__all__ = ["LARGEST_SCALE", "SAME", "ScaleEstimate", "estimated_scale", "length_ratio"]
+__all__ = [
+    "LARGEST_SCALE",
+    "SAME",
+    "ScaleEstimate",
+    "estimated_scale",
+    "largest_factor",
+    "length_ratio",
+]
 
 # The range that users are promised, and a grid over it: a neighborhood that is a tenth too
 # large is still recognized.
@@ -45,17 +52,21 @@ class ScaleEstimate:
 SAME = ScaleEstimate(1.0)
 
 
-def estimated_scale(question: Question, rng: np.random.Generator) -> ScaleEstimate:
-    """The factor in [1/2, 2] by which `part` must be enlarged.
+def largest_factor(question: Question) -> float:
+    """The factor by which `part` may be enlarged: not beyond the full shape, and at most 2."""
+    room = np.sqrt(LARGEST_PART * question.full.mesh.area / question.part.mesh.area)
+    return min(LARGEST_SCALE, float(room))
 
-    A few nodes of the part are labeled at each factor of a grid, as far as it does not become
-    larger than the full shape; the factors whose labelings keep the most similarity and the most
-    even ratio of lengths are tried with all nodes. The best is then corrected by that ratio.
+
+def estimated_scale(
+    question: Question, rng: np.random.Generator, *, largest: float
+) -> ScaleEstimate:
+    """The factor from 1/2 to `largest` by which `part` must be enlarged.
+
+    A few nodes of the part are labeled at each factor of a grid; the factors whose labelings keep
+    the most similarity and the most even ratio of lengths are tried with all nodes. The best is
+    then corrected by that ratio.
     """
-    largest = min(
-        LARGEST_SCALE,
-        float(np.sqrt(LARGEST_PART * question.full.mesh.area / question.part.mesh.area)),
-    )
     factors = np.geomspace(1 / LARGEST_SCALE, LARGEST_SCALE, GRID)
     factors = factors[: max(1, int((factors <= largest).sum()))]
     seeds = rng.integers(2**32, size=(2, len(factors)))

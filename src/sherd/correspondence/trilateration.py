@@ -28,7 +28,7 @@ def trilaterated_vertices(question: Question, labeling: Labeling) -> Ints:
     labels, nodes = question.full.dense, question.part.sparse
     reliable = labeling.local_cost <= COST_LIMIT
     if reliable.sum() < 2 * ANCHORS:
-        reliable[:] = True
+        reliable = labeling.placed.copy()
     distances = np.where(reliable[:, None], nodes.distances, np.inf)
     alone = ~np.isfinite(distances).any(axis=0)  # on a component without any reliable node
     distances[:, alone] = nodes.distances[:, alone]

@@ -20,7 +20,7 @@ from sherd.correspondence.similar_places import Look, similar_places
 from sherd.correspondence.trilateration import trilaterated_vertices
 from sherd.descriptors.rotation_shot import mirrored_spectra, trusted_by_cut, trusted_equally
 from sherd.mesh.surface_points import SurfacePoints
-from sherd.surface.described import LEAST_TRUST, RADII, DescribedSurface
+from sherd.surface.described import LEAST_TRUST, RADII
 
 __all__ = [
     "Queries",
@@ -48,7 +48,8 @@ COVERED = 0.5
 class Queries:
     """Vertices (q,) of the part that look for similar places, and their spectra (5, q, 2 k).
 
-    They are projected to the axes of the full shape. `cut_aware` weighs radii by the distance to the cut, `plain` does not.
+    They are projected to the axes of the full shape. `cut_aware` weighs radii by the distance to
+    the cut, `plain` does not.
     """
 
     vertices: Ints

@@ -113,7 +113,7 @@ def _vote_all(  # noqa: PLR0913
 
 
 @compiled()
-def vote(vertices, normals, weights, query, frame, radii, cells, histogram):
+def vote(vertices, normals, weights, query, frame, radii, cells, histogram):  # noqa: PLR0915
     """Add the votes of all neighbors of one vertex to its histogram (r, 8, 44).
 
     Each is shared linearly between the two nearest bins of each of the four coordinates.

@@ -17,7 +17,7 @@ from sherd.errors import InvalidMeshError, OptionError
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
 
-__all__ = ["Alternative", "Exhibit", "Layer", "LayerKind", "Partner", "Verdict"]
+__all__ = ["Alternative", "Exhibit", "Layer", "LayerKind", "Partner", "SharedCurve", "Verdict"]
 
 LayerKind = Literal["scalar", "mask", "color", "category"]
 COLOR_MAPS = ("ember", "lagoon", "dusk", "balance")
@@ -185,6 +185,26 @@ class Verdict:
         return Verdict(words[:1].upper() + words[1:], trusted, said)
 
 
+@dataclass(frozen=True)
+class SharedCurve:
+    """Share of the area of two shapes, `full` and `part`, against the accepted strain.
+
+    Parameters
+    ----------
+    strains
+        Ascending.
+    first, second
+        Shares by strain.
+    chosen
+        The strain that was accepted.
+    """
+
+    strains: tuple[float, ...]
+    first: tuple[float, ...]
+    second: tuple[float, ...]
+    chosen: float
+
+
 @dataclass(frozen=True, eq=False)
 class Alternative:
     """Another place where the part may belong.
@@ -257,6 +277,10 @@ class Exhibit:
         (i,) int, part vertices that the user had ignored, of the file as well.
     region
         (n,) bool, the place the camera must see; from the first mask layer when None.
+    curve
+        How what is shared grows with the accepted strain, if that was asked.
+    names
+        What `full` and `part` are called.
     up
         Which direction of the full shape's file points up; guessed when None.
 
@@ -283,6 +307,8 @@ class Exhibit:
     landmarks: tuple[tuple[int, int], ...] = ()
     ignored: tuple[int, ...] = ()
     region: Bools | None = None
+    curve: SharedCurve | None = None
+    names: tuple[str, str] = ("Full shape", "Part")
     up: tuple[float, float, float] | None = None
 
     def __post_init__(self) -> None:

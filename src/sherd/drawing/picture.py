@@ -109,7 +109,7 @@ def picture(
     unit = width / 1600
     size = (width // len(panels), round(0.40 * width))
     scale, part_scale = _scales(panels, size)
-    scales = [part_scale if panel.role == "Part" else scale for panel in panels]
+    scales = [part_scale if panel.role == exhibit.names[1] else scale for panel in panels]
     tallest = max(panel.extent[1] * pixels for panel, pixels in zip(panels, scales, strict=True))
     size = (size[0], min(size[1], round(tallest * (1 + 2 * MARGIN))))
     top, bottom = round((100 if heading else 30) * unit), round(176 * unit)
@@ -173,11 +173,11 @@ class _Panel:
 
 def _panels(exhibit: Exhibit, layer: str | None, staging: Staging) -> list[_Panel]:
     full, part = _layers_named(exhibit, layer)
-    panels = [_Panel(exhibit.full, full, staging.view.rotation, "Full shape")]
+    panels = [_Panel(exhibit.full, full, staging.view.rotation, exhibit.names[0])]
     if staging.view.visible_share < LEAST_VISIBLE_SHARE:
         panels.append(_Panel(exhibit.full, full, staging.view.opposite.rotation, "From behind"))
     rotation = staging.view.rotation @ staging.part_rotation
-    return [*panels, _Panel(exhibit.part, part, rotation, "Part")]
+    return [*panels, _Panel(exhibit.part, part, rotation, exhibit.names[1])]
 
 
 def _layers_named(exhibit: Exhibit, name: str | None) -> tuple[Layer | None, Layer | None]:

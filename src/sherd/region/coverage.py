@@ -11,7 +11,7 @@ from sherd.energy.cleanup import raised_to_area, threshold_to_area
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.spectral.operators import stiffness
 
-__all__ = ["covered_region"]
+__all__ = ["covered_region", "smoothed"]
 
 
 # Smoothing length in sqrt(area of the full shape): the vertex spacing of a 10,000-vertex mesh. It
@@ -40,15 +40,24 @@ def covered_region(full: TriangleMesh, covered: Bools, area: float) -> tuple[Flo
     -----
     One solve by conjugate gradients, near linear in n.
     """
+    smooth = smoothed(full, covered)
+    wanted = min(area, full.area)
     areas = full.vertex_areas
+    # no cleaning: small holes and pieces are real here, the part may have them
+    return raised_to_area(smooth, areas, wanted), threshold_to_area(smooth, areas, wanted)
+
+
+def smoothed(mesh: TriangleMesh, covered: Bools) -> Floats:
+    """Membership (n,) in [0, 1] near the mask (n,), for a mesh of area near 1.
+
+    `min over u of integral (u - c)^2 + t integral |grad u|^2`, t the square of the width.
+    """
     # vertices without area are tied to nothing; a trace of mass keeps the system definite
-    mass = np.maximum(areas, 1e-12 * full.area / full.vertex_count)
-    weak = stiffness(full.vertices, full.faces)
+    mass = np.maximum(mesh.vertex_areas, 1e-12 * mesh.area / mesh.vertex_count)
+    weak = stiffness(mesh.vertices, mesh.faces)
     system = sparse.csr_array(sparse.diags_array(mass) + 0.5 * WIDTH**2 * weak)
     scale = sparse.diags_array(1.0 / system.diagonal())
     coverage = covered.astype(np.float64)
     smooth, _ = cg(system, mass * coverage, x0=coverage, rtol=1e-6, maxiter=500, M=scale)
-    smooth = np.clip(smooth, 0.0, 1.0)
-    wanted = min(area, full.area)
-    # no cleaning: small holes and pieces are real here, the part may have them
-    return raised_to_area(smooth, areas, wanted), threshold_to_area(smooth, areas, wanted)
+    result: Floats = np.clip(smooth, 0.0, 1.0)
+    return result

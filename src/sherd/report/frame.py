@@ -23,6 +23,7 @@ __all__ = [
     "common_facts",
     "decimation_sentences",
     "facts_of",
+    "mesh_facts",
     "notice_sentences",
     "region_csv",
 ]
@@ -63,8 +64,8 @@ def common_facts(answer: Answer, *, file_format: str, command: str) -> dict[str,
         "format": file_format,
         "version": answer.version,
         "command": command,
-        "full": _mesh_facts(answer.full, answer.notices.get("full", ())),
-        "part": _mesh_facts(answer.part, answer.notices.get("part", ())),
+        "full": mesh_facts(answer.full, answer.notices.get("full", ())),
+        "part": mesh_facts(answer.part, answer.notices.get("part", ())),
         "check": asdict(answer.check()),
         "options": asdict(answer.options),
         "seed": answer.options.seed,
@@ -145,7 +146,8 @@ def region_csv(place: Placement) -> str:
     )
 
 
-def _mesh_facts(mesh: TriangleMesh, notices: tuple[str, ...]) -> dict[str, Any]:
+def mesh_facts(mesh: TriangleMesh, notices: tuple[str, ...]) -> dict[str, Any]:
+    """What ``result.json`` says of a shape."""
     return {
         "name": mesh.name,
         "vertices": mesh.vertex_count,

@@ -20,6 +20,7 @@ from sherd.drawing.picture import picture, png_bytes, stage
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.output import write_text
 from sherd.report.payload import payload
+from sherd.report.strain_curve import strain_curve_svg
 from sherd.report.thinning import LARGEST_SHOWN, thinned
 from sherd.report.tradeoff import tradeoff_svg
 
@@ -62,11 +63,13 @@ def page(exhibit: Exhibit, *, largest: int = LARGEST_SHOWN) -> str:
         "title": html.escape(exhibit.title),
         "verdict": _verdict(exhibit.verdict),
         "headline": html.escape(exhibit.summary[0] if exhibit.summary else ""),
+        "full_name": html.escape(exhibit.names[0]),
+        "part_name": html.escape(exhibit.names[1]),
         "full_caption": html.escape(_caption(exhibit.full)),
         "part_caption": html.escape(_caption(exhibit.part)),
         "picture": base64.b64encode(png_bytes(image)).decode("ascii"),
         "picture_words": html.escape(" ".join((exhibit.title, *exhibit.summary))),
-        "tradeoff": _tradeoff(exhibit),
+        "tradeoff": _strain_curve(exhibit) + _tradeoff(exhibit),
         "summary": _summary(exhibit.summary),
         "notice": _card("Decimated view", light.notice, kind="notice wide") if light.notice else "",
         "command": _command(exhibit.command),
@@ -136,6 +139,21 @@ def _tradeoff(exhibit: Exhibit) -> str:
     return (
         '<div class="card wide tradeoff"><div><h2>What the confidence is worth</h2>'
         f"<p>{html.escape(words)}</p></div>{plot}</div>"
+    )
+
+
+def _strain_curve(exhibit: Exhibit) -> str:
+    """The plot of shared area against accepted strain."""
+    if exhibit.curve is None:
+        return ""
+    words = (
+        "How much of each shape is shared if more strain is accepted, or less. Where a curve is "
+        "flat, the border does not depend on the choice; where it rises, what is added is less "
+        "and less alike."
+    )
+    return (
+        '<div class="card wide tradeoff"><div><h2>How alike is enough</h2>'
+        f"<p>{html.escape(words)}</p></div>{strain_curve_svg(exhibit.curve)}</div>"
     )
 
 

@@ -44,6 +44,7 @@ _KNOWN: dict[str, dict[str, Any]] = {
         "description": "Chance that the answer is within 0.05 sqrt(area) of the truth.",
     },
     "matched": {"kind": "mask", "description": "Has a partner."},
+    "shared": {"kind": "mask", "description": "The other shape has this place too."},
     "distortion": {
         "range": (-0.3, 0.3),
         "color_map": "balance",

@@ -23,6 +23,7 @@ from sherd.report.known_layers import file_layers, known_layer, located_part_lay
 from sherd.report.stored.folder import REGION_FORMAT
 from sherd.results.locate_result import LocateResult
 from sherd.results.placement import Placement
+from sherd.results.status import Status
 
 __all__ = ["locate_report"]
 
@@ -42,13 +43,21 @@ def locate_report(result: LocateResult, *, command: str = "") -> Report:
 def _document(result: LocateResult, command: str) -> dict[str, Any]:
     return {
         **common_facts(result, file_format=REGION_FORMAT, command=command),
-        "status": result.convergence.name.lower().replace("_", "-"),
-        "advice": result.convergence.advice,
+        "status": status_of(result),
+        "advice": result.advice,
+        "chance": result.chance,
         "area_fraction": result.area_fraction,
         "score": result.score,
         "alternatives": alternative_facts(result),
         "energy": {**asdict(result.energy), "total": result.energy.total},
     }
+
+
+def status_of(result: LocateResult) -> str:
+    """Why the solver stopped, or that the part may not belong here."""
+    belongs = result.doubts.status
+    name = result.convergence.name if belongs is Status.GOOD else belongs.name
+    return name.lower().replace("_", "-")
 
 
 def _exhibit(result: LocateResult, document: Mapping[str, Any]) -> Exhibit:
@@ -62,12 +71,12 @@ def _exhibit(result: LocateResult, document: Mapping[str, Any]) -> Exhibit:
         score=result.score,
         score_name="mean similarity of neighborhoods, 1 is best",
         alternatives=tuple(_alternative(other) for other in result.alternatives),
-        verdict=Verdict.from_advice(
-            result.convergence.advice, trusted=result.convergence.succeeded
-        ),
+        verdict=Verdict.from_advice(result.advice, trusted=result.trusted),
         summary=_sentences(result),
         facts=facts_of(
-            document, ("status", "area_fraction", "score", "advice"), Energy=document["energy"]
+            document,
+            ("status", "chance", "area_fraction", "score", "advice"),
+            Energy=document["energy"],
         ),
         command=str(document["command"]),
         region=result.mask,

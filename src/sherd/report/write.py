@@ -13,16 +13,18 @@ from sherd.report.frame import Report
 from sherd.report.html import page
 from sherd.report.locate_report import locate_report
 from sherd.report.match_report import match_report
+from sherd.report.overlap_report import overlap_report
 from sherd.report.stored.folder import plain
-from sherd.result_folder import ResultFolder, ResultKind, replaceable_files
+from sherd.result_folder import ResultFolder, kind_of, replaceable_files
 from sherd.results.locate_result import LocateResult
 from sherd.results.match_result import MatchResult
+from sherd.results.overlap_result import Overlap
 
 __all__ = ["report_of", "write_report"]
 
 
 def write_report(
-    result: MatchResult | LocateResult,
+    result: MatchResult | LocateResult | Overlap,
     folder: str | os.PathLike[str],
     *,
     command: str = "",
@@ -35,7 +37,7 @@ def write_report(
     Parameters
     ----------
     result
-        Of :func:`sherd.match` or :func:`sherd.locate`.
+        Of :func:`sherd.match`, :func:`sherd.locate` or :func:`sherd.overlap`.
     folder
         Made when missing. An older result of the same command for shapes of the same names is
         replaced, and those of its files that the new result does not have are removed.
@@ -79,7 +81,7 @@ def write_report(
     """
     report = report_of(result, command=command, errors=errors)
     document = plain(dict(report.document))
-    kind = ResultKind(document["format"], document["full"]["name"], document["part"]["name"])
+    kind = kind_of(document)
     replaced = replaceable_files(folder, kind, overwrite=overwrite)
     with ResultFolder(folder, replaced=replaced) as output:
         for name, content in report.files.items():
@@ -92,13 +94,18 @@ def write_report(
 
 
 def report_of(
-    result: MatchResult | LocateResult, *, command: str = "", errors: Floats | None = None
+    result: MatchResult | LocateResult | Overlap,
+    *,
+    command: str = "",
+    errors: Floats | None = None,
 ) -> Report:
     """What there is to write of a result, and to show."""
     if isinstance(result, MatchResult):
         return match_report(result, command=command, errors=errors)
-    if not isinstance(result, LocateResult):
-        raise InputError(f"a {type(result).__name__} is no result of match or locate")
+    if not isinstance(result, LocateResult | Overlap):
+        raise InputError(f"a {type(result).__name__} is no result of match, locate or overlap")
     if errors is not None:
         raise InputError("errors are of the points of a match; a region has none")
+    if isinstance(result, Overlap):
+        return overlap_report(result, command=command)
     return locate_report(result, command=command)

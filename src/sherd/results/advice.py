@@ -6,10 +6,13 @@ from dataclasses import dataclass
 
 from sherd.results.status import Status
 
-__all__ = ["Doubts", "UnfollowedLandmark"]
+__all__ = ["Doubts", "OverlapDoubts", "UnfollowedLandmark"]
 
 # So many landmarks are named in the advice; the result has them all.
 NAMED = 5
+# Calibrated chances: what is called good is right in two cases of three at the least, and what is
+# said not to belong in one case of ten at the most.
+SURE, FOREIGN = 0.65, 0.1
 UNLIKE = (
     "the part fits the full shape hardly better than another shape would; look at the "
     "alternatives, give the scale if you know it, or give landmarks"
@@ -43,6 +46,14 @@ class Doubts:
 
     Attributes
     ----------
+    chance
+        That the placement as a whole is right.
+    featureless
+        Whether the part looks the same everywhere, as a plane, a sphere or a tube does.
+    twin
+        Whether the mirror image of the part fits better than the part.
+    unchecked
+        What did not pass the check that is re-derived from the meshes; nothing if it passed.
     unlike
         Whether another shape would fit about as well.
     scale_unknown
@@ -60,6 +71,10 @@ class Doubts:
     ('GOOD', 'DOUBTFUL')
     """
 
+    chance: float = 1.0
+    featureless: bool = False
+    twin: bool = False
+    unchecked: str = ""
     unlike: bool = False
     scale_unknown: bool = False
     scale_bound: float | None = None
@@ -69,7 +84,17 @@ class Doubts:
     @property
     def status(self) -> Status:
         """Good if nothing speaks against it."""
-        doubtful = self.unlike or self.scale_bound is not None or self.unfollowed
+        if self.chance < FOREIGN:
+            return Status.FOREIGN
+        doubtful = (
+            self.chance < SURE
+            or self.featureless
+            or self.twin
+            or self.unchecked
+            or self.unlike
+            or self.scale_bound is not None
+            or self.unfollowed
+        )
         return Status.DOUBTFUL if doubtful else Status.GOOD
 
     @property
@@ -77,10 +102,12 @@ class Doubts:
         """What to do, with the names of what is wrong."""
         if self.status is Status.GOOD:
             return Status.GOOD.advice
-        plain = self.scale_bound is None and not self.unfollowed and not self.units
-        if plain and not self.scale_unknown:
-            return Status.DOUBTFUL.advice
-        said = [UNLIKE] if self.unlike else []
+        said = self._said_of_fit()
+        if self.unlike and not said:
+            plain = self.scale_bound is None and not self.unfollowed and not self.units
+            if plain and not self.scale_unknown:
+                return Status.DOUBTFUL.advice
+            said = [UNLIKE]
         if self.scale_bound is not None:
             said.append(
                 f"the scale stands at its bound, {self.scale_bound:.4g}; give the units of both "
@@ -90,7 +117,98 @@ class Doubts:
             said.append(_said_of_landmarks(self.unfollowed))
         if self.units:
             said.append(self.units)
-        return f"doubtful: {'; '.join(said)}"
+        words = "does not belong here" if self.status is Status.FOREIGN else "doubtful"
+        return f"{words}: {'; '.join(said)}"
+
+    def _said_of_fit(self) -> list[str]:
+        said = []
+        if self.chance < SURE:
+            said.append(
+                f"the chance that the placement is right is {self.chance:.2f}; look at it in the "
+                "report, ask with another full shape, or give landmarks"
+            )
+        if self.featureless:
+            said.append(
+                "the part looks the same everywhere and fits anywhere; give a larger part or "
+                "landmarks"
+            )
+        if self.twin:
+            said.append(
+                "its mirror image fits better than the part itself; look at the alternative, or "
+                "give landmarks on one side"
+            )
+        if self.unchecked:
+            said.append(f"the answer does not pass its check: {self.unchecked}")
+        return said
+
+
+NOTHING = (
+    "does not belong: nothing that both shapes share was found; they may share too little, differ "
+    "in scale, or be different things; give landmarks if you know some"
+)
+
+
+@dataclass(frozen=True)
+class OverlapDoubts:
+    """What speaks against an overlap; nothing by default.
+
+    Attributes
+    ----------
+    chance
+        That the answer as a whole is right.
+    shared
+        Whether anything is shared.
+    checked
+        Whether the answer passes the check that is re-derived from the meshes.
+    scale_bound
+        The scale, if it stands at its bound.
+    unfollowed
+        Landmarks that were not followed.
+    """
+
+    chance: float = 1.0
+    shared: bool = True
+    checked: bool = True
+    scale_bound: float | None = None
+    unfollowed: tuple[UnfollowedLandmark, ...] = ()
+
+    @property
+    def status(self) -> Status:
+        """Good if nothing speaks against it."""
+        if not self.shared or self.chance < FOREIGN:
+            return Status.FOREIGN
+        doubtful = (
+            self.chance < SURE
+            or not self.checked
+            or self.scale_bound is not None
+            or self.unfollowed
+        )
+        return Status.DOUBTFUL if doubtful else Status.GOOD
+
+    @property
+    def advice(self) -> str:
+        """What to do, with the names of what is wrong."""
+        if self.status is Status.GOOD:
+            return "good: both directions agree and neighborhoods are alike"
+        if not self.shared:
+            return NOTHING
+        said = []
+        if self.chance < SURE:
+            said.append(
+                f"the chance that the answer is right is {self.chance:.2f}; look at both shapes in "
+                "the report, or give landmarks"
+            )
+        if not self.checked:
+            said.append("areas, or there and back, do not agree; look at both shapes in the report")
+        if self.scale_bound is not None:
+            said.append(
+                f"the scale stands at its bound, {self.scale_bound:.4g}; give a factor "
+                "(scale=FACTOR, --scale FACTOR)"
+            )
+        if self.unfollowed:
+            said.append(_said_of_landmarks(self.unfollowed))
+        words = "does not belong" if self.status is Status.FOREIGN else "doubtful"
+        return f"{words}: {'; '.join(said)}"
 
 
 def _said_of_landmarks(landmarks: tuple[UnfollowedLandmark, ...]) -> str:

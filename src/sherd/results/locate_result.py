@@ -15,9 +15,11 @@ from sherd.energy.convergence import Convergence
 from sherd.energy.mumford_shah import EnergyTerms
 from sherd.mesh import topology
 from sherd.mesh.triangle_mesh import TriangleMesh
+from sherd.results.advice import Doubts
 from sherd.results.display import picture_html, table_html
 from sherd.results.locate_options import LocateOptions
 from sherd.results.placement import Placement
+from sherd.results.status import Status
 
 __all__ = ["LocateCheck", "LocateResult"]
 
@@ -89,6 +91,11 @@ class LocateResult(FrozenState):
         shapes are searched on a mesh of moderate size; the answer is carried back.
     notices
         What was adapted in the shapes, in sentences, by "full" and "part".
+    chance
+        That the part belongs on the full shape at all, in [0, 1]; None where it was not asked, as
+        by the methods of the papers.
+    featureless
+        Whether the part looks the same everywhere, so that it fits anywhere.
 
     Examples
     --------
@@ -112,6 +119,8 @@ class LocateResult(FrozenState):
     version: str = field(default=__version__)
     working_vertices: Mapping[str, int] = field(default_factory=dict)
     notices: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    chance: float | None = None
+    featureless: bool = False
 
     def __repr__(self) -> str:
         return (
@@ -122,7 +131,7 @@ class LocateResult(FrozenState):
     def _repr_html_(self) -> str:
         membership = self.membership[self.mask]
         rows = {
-            "status": self.convergence.advice,
+            "status": self.advice,
             "coverage": f"{self.area_fraction:.1%} of the full shape",
             "mean membership of the region": f"{membership.mean() if len(membership) else 0:.2f}",
             "score": f"{self.score:.3f}",
@@ -133,6 +142,23 @@ class LocateResult(FrozenState):
         shown = Layer("membership", self.membership, range=(0, 1), color_map="ember")
         scene = Exhibit(title, self.full, self.part, full_layers=(shown,), region=self.mask)
         return table_html(title, rows) + picture_html(scene)
+
+    @property
+    def doubts(self) -> Doubts:
+        """What speaks against the part's belonging here."""
+        chance = 1.0 if self.chance is None else self.chance
+        return Doubts(chance=chance, featureless=self.featureless)
+
+    @property
+    def trusted(self) -> bool:
+        """Whether the solver converged and nothing speaks against the part's belonging here."""
+        return self.convergence.succeeded and self.doubts.status is Status.GOOD
+
+    @property
+    def advice(self) -> str:
+        """What to do about it, in a sentence."""
+        belongs = self.doubts.status is Status.GOOD
+        return self.convergence.advice if belongs else self.doubts.advice
 
     @property
     def mask(self) -> Bools:

@@ -71,6 +71,18 @@ class MatchCheck:
     preserved: float
     passed: bool
 
+    @property
+    def failures(self) -> str:
+        """What did not pass, in words; empty if all did."""
+        said = []
+        if not abs(self.area_ratio - 1) < AREA_LIMIT:
+            said.append(f"the region has {self.area_ratio:.2f} times the area of the part")
+        if not self.edge_stretch < STRETCH_LIMIT:
+            said.append(f"half of the edges are stretched by more than {self.edge_stretch:.2f}")
+        if not self.preserved > PRESERVED_LIMIT:
+            said.append(f"only {self.preserved:.0%} of the part keep their orientation")
+        return ", ".join(said)
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class MatchResult(FrozenState):
@@ -106,6 +118,8 @@ class MatchResult(FrozenState):
         What to do about the status, with the names of what is wrong; the status's own if empty.
     unfollowed_landmarks
         Landmarks that the answer does not follow or that contradict each other, farthest first.
+    chance
+        That the placement as a whole is right, in [0, 1]; None if unknown.
     min_confidence
         Vertices below it were made unmatched afterwards, by :meth:`with_min_confidence`.
 
@@ -135,6 +149,7 @@ class MatchResult(FrozenState):
     advice: str = ""
     unfollowed_landmarks: tuple[UnfollowedLandmark, ...] = ()
     min_confidence: float = 0.0
+    chance: float | None = None
 
     def __post_init__(self) -> None:
         if not self.advice:

@@ -23,6 +23,10 @@ class Status(Enum):
         "doubtful: the part fits the full shape hardly better than another shape would; look at "
         "the alternatives, check the scale, or give landmarks"
     )
+    FOREIGN = (
+        "does not belong here: what was found is no more alike than chance; ask with another "
+        "shape, check the scale, or give landmarks"
+    )
 
     @property
     def advice(self) -> str:

@@ -15,8 +15,8 @@ from sherd.errors import OptionError
 from sherd.limits import require_memory
 from sherd.mesh.geometry import edge_lengths
 from sherd.mesh.triangle_mesh import TriangleMesh
-from sherd.threads import one_blas_thread
 from sherd.spectral.operators import stiffness
+from sherd.threads import one_blas_thread
 
 __all__ = ["EigenBasis", "eigenbasis", "robust_operators"]
 

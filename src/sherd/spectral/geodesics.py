@@ -94,7 +94,7 @@ class Geodesics:
             reached = np.isin(self._labels, self._labels[own])
             found[~reached] = np.inf
             if not np.isfinite(found[reached]).all():
-                found[:] = csgraph.dijkstra(self._edges, False, own, min_only=True)
+                found[:] = csgraph.dijkstra(self._edges, directed=False, indices=own, min_only=True)
         return distances
 
     def _checked(self, sources: ArrayLike) -> Ints:

@@ -187,6 +187,10 @@ class DescribedSurface:
         """(5, q, 2 c) rotation-searched SHOT of some vertices, in their `frames`."""
         return self._spectra(vertices, self.mesh.vertex_areas, *self.frames(vertices))
 
+    def spectra_at_within(self, vertices: Ints, mask: Bools) -> Singles:
+        """`spectra_at` as a surface sees them that covers `mask` (n,) only."""
+        return self._spectra(vertices, self.mesh.vertex_areas * mask, *self.frames(vertices))
+
     def trusted_spectra(self, vertices: Ints) -> Singles:
         """`spectra_at` the vertices; what reaches over the cut counts less."""
         depth = self.cut_distance[vertices]

@@ -9,12 +9,14 @@ from pathlib import Path
 import numpy as np
 
 from sherd.arrays import Ints
-from sherd.benchmark.datasets.pairs import BenchmarkSettings, Pair, PairSet
+from sherd.benchmark.datasets.overlaps import OverlapPair, OverlapSet
+from sherd.benchmark.datasets.pairs import BenchmarkSettings, Pair, PairSet, seed_of
 from sherd.errors import MeshFileError
 from sherd.files.mesh_files import read_mesh
 from sherd.mesh.surface_points import points_at_vertices
+from sherd.shapes.truth import true_region
 
-__all__ = ["AnimalParts", "smal_pairs", "smal_set"]
+__all__ = ["AnimalOverlap", "AnimalParts", "smal_overlap_set", "smal_pairs", "smal_set"]
 
 
 MAP_NAME = re.compile(r"(\w+?_\d+_([a-z]+)_\d+)_(\w+?_\d+_([a-z]+)_\d+)")
@@ -55,6 +57,42 @@ class AnimalParts:
         anywhere = int(full.faces[0, 0])
         truth = points_at_vertices(full, np.where(present, rows, anywhere))
         return Pair(self.name, full, part, truth, None, present)
+
+
+@dataclass(frozen=True)
+class AnimalOverlap:
+    """The same pair, asked for what both parts share; the first shape is `full`."""
+
+    parts: AnimalParts
+
+    @property
+    def name(self) -> str:
+        """Name of the map."""
+        return self.parts.name
+
+    @property
+    def kind(self) -> str:
+        """Same or other species."""
+        return self.parts.kind
+
+    @property
+    def inputs(self) -> tuple[Path, ...]:
+        """Both meshes and the map."""
+        return self.parts.inputs
+
+    def load(self) -> OverlapPair:
+        """Read meshes and map; what the first shape shares is what the map's faces cover.
+
+        Raises
+        ------
+        MeshFileError
+            If a file is missing or the map does not fit the meshes.
+        """
+        pair = self.parts.load()
+        there = np.ones(pair.part.vertex_count, bool) if pair.present is None else pair.present
+        covered = true_region(pair.full, pair.part, pair.truth, present=there)
+        # the stored parts are cut from animals with sqrt(area) = 1
+        return OverlapPair(pair.name, pair.full, pair.part, pair.truth, covered, there, 1.0)
 
 
 def smal_pairs(directory: Path) -> tuple[AnimalParts, ...]:
@@ -108,6 +146,25 @@ def smal_set(directory: Path, settings: BenchmarkSettings | None = None) -> Pair
         meshes="as stored",
         settings=settings or BenchmarkSettings(),
         pairs=smal_pairs(directory),
+    )
+
+
+def smal_overlap_set(directory: Path, settings: BenchmarkSettings | None = None) -> OverlapSet:
+    """All pairs of a folder, asked for what both parts share.
+
+    Raises
+    ------
+    MeshFileError
+        See :func:`smal_pairs`.
+    """
+    pairs = sorted(smal_pairs(directory), key=lambda pair: seed_of(pair.name, 0))
+    return OverlapSet(
+        title="parts of different animals (PSMAL)",
+        data="SMAL, parts of different animals; the method is not trained; errors of the truly "
+        "shared vertices, in square roots of the whole's area",
+        meshes="as stored",
+        settings=settings or BenchmarkSettings(),
+        pairs=tuple(AnimalOverlap(parts) for parts in pairs),
     )
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from scipy import sparse
 from scipy.sparse import csgraph
@@ -19,7 +21,14 @@ from sherd.correspondence.labels.labeling import (
 )
 from sherd.correspondence.labels.labeling_data import State
 
-__all__ = ["find_anchors", "grown", "proposed_anchors"]
+__all__ = [
+    "candidates_again",
+    "chance_energy",
+    "find_anchors",
+    "first_labeling",
+    "grown",
+    "proposed_anchors",
+]
 
 
 # The right label is among the 30 most similar of 1,200 for nine nodes in ten of real cuts.
@@ -52,13 +61,18 @@ NEAR_LABELS = 4
 
 
 def find_anchors(
-    problem: Problem, *, step: float = SIMILARITY_STEP, rounds: int = ROUNDS
+    problem: Problem,
+    *,
+    step: float = SIMILARITY_STEP,
+    rounds: int = ROUNDS,
+    start: Labeling | None = None,
 ) -> Labeling:
     """Label the nodes: candidates by similarity, then proposals from neighbors, then growth.
 
-    `step` is the lack of similarity that costs one unit.
+    `step` is the lack of similarity that costs one unit, `start` the first labeling if it is known.
     """
-    best = proposed_anchors(problem, step=step, rounds=rounds)
+    best = first_labeling(problem, step=step) if start is None else start
+    best = proposed_anchors(problem, best, step=step, rounds=rounds)
     other = grown(problem, best, _core(problem, best), step=step)
     best = other if other.energy < best.energy else best
     other = grown(problem, best, _far_from_cut(problem), step=step)
@@ -68,23 +82,52 @@ def find_anchors(
 
 
 def proposed_anchors(
-    problem: Problem, *, step: float = SIMILARITY_STEP, rounds: int = ROUNDS
+    problem: Problem, start: Labeling, *, step: float = SIMILARITY_STEP, rounds: int = ROUNDS
 ) -> Labeling:
-    """Label the nodes in so many rounds, without growth; see :func:`find_anchors`."""
-    similar, turn = _most_similar(problem)
-    labels, rotations = similar, _at(turn, similar)
-    best = solve(problem, labels, rotations, step=step)
+    """Label the nodes in all rounds but the first, without growth; see :func:`find_anchors`."""
+    best = start
     for _ in range(rounds - 1):
-        near = np.argsort(problem.nodes.between, axis=1, kind="stable")[:, 1 : 1 + NEAR_LABELS]
-        proposed, proposed_turns = _proposals(problem, best)
-        from_near = best.labels[near]
-        half = similar[:, : CANDIDATES // 2]
-        labels = np.concatenate([best.labels[:, None], proposed, from_near, half], axis=1)
-        rotations = np.concatenate(
-            [best.rotations[:, None], proposed_turns, _at(turn, from_near), _at(turn, half)], axis=1
-        )
-        best = solve(problem, labels, rotations, step=step)
+        best = solve(problem, *candidates_again(problem, best), step=step)
     return best
+
+
+def first_labeling(problem: Problem, *, step: float = SIMILARITY_STEP) -> Labeling:
+    """The labeling with the most similar labels as candidates."""
+    similar, turn = _most_similar(problem)
+    return solve(problem, similar, _at(turn, similar), step=step)
+
+
+def chance_energy(problem: Problem, rng: np.random.Generator) -> float:
+    """Energy per node when every node has the similarities of another one: nothing belongs.
+
+    This leaves shapes, cuts and likeness what they are and mixes up only what looks like what. Of
+    one round, which is enough to compare with.
+    """
+    order = rng.permutation(len(problem.nodes))
+    mixed = replace(
+        problem,
+        similarity=np.ascontiguousarray(problem.similarity[order]),
+        forbidden=problem.forbidden[order],
+    )
+    return first_labeling(mixed).energy
+
+
+def candidates_again(
+    problem: Problem, labeling: Labeling, *, also: Ints | None = None
+) -> tuple[Ints, Floats]:
+    """Candidates (k, c): where each node is, where its neighbors place it, and similar ones.
+
+    `also` (k, a) are further labels, with the rotations of most similarity.
+    """
+    similar, turn = _most_similar(problem)
+    near = np.argsort(problem.nodes.between, axis=1, kind="stable")[:, 1 : 1 + NEAR_LABELS]
+    proposed, proposed_turns = _proposals(problem, labeling)
+    from_near = labeling.labels[near]
+    half = similar[:, : CANDIDATES // 2]
+    by_turn = [from_near, half] if also is None else [also, from_near, half]
+    labels = np.concatenate([labeling.labels[:, None], proposed, *by_turn], axis=1)
+    turns = [_at(turn, each) for each in by_turn]
+    return labels, np.concatenate([labeling.rotations[:, None], proposed_turns, *turns], axis=1)
 
 
 def grown(
@@ -142,6 +185,7 @@ def _at(turn: Floats, labels: Ints) -> Floats:
 def _guides(problem: Problem, labeling: Labeling, count: int) -> Ints:
     """Nodes (k, count) near each node whose own neighborhoods agree; -1 where there are no more."""
     rank = problem.nodes.between + ODD_DISTANCE * (labeling.local_cost > ODD_COST)
+    rank[:, ~labeling.placed] = np.inf
     np.fill_diagonal(rank, np.inf)
     order = np.argsort(rank, axis=1, kind="stable")[:, :count]
     guides: Ints = np.where(np.isfinite(np.take_along_axis(rank, order, axis=1)), order, -1)

@@ -8,11 +8,15 @@ elsewhere the full shape may have a shorter path, not shorter than b_i + b_j and
 than the part's. Directions are compared in the tangent frames, which rules mirrored answers out.
 Components of the part are tied by straight lines, taken as lower bounds of the lengths on the full
 shape, and as a hint of them.
+
+Where the full shape may lack what the part has, a node may be placed nowhere, at the price of the
+problem; each edge between a placed node and one placed nowhere then costs its weight, the length
+of boundary that it crosses, and edges between two such nodes nothing.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -35,6 +39,7 @@ __all__ = [
     "Labeling",
     "Problem",
     "labeling_problem",
+    "pair_costs",
     "solve",
     "unary_cost",
 ]
@@ -86,6 +91,12 @@ ROUNDS = 8
 LOCAL_LENGTH = 0.25
 # A pinned vertex may move by the spacing of labels, and lengths from it stretch by a fifth.
 PIN_SLACK, PIN_STRETCH = 0.04, 1.2
+# A boundary is crossed by edges to near neighbors; longer ones only say that it lies between.
+FAR_BOUNDARY = 0.1
+# Stands for the distance of labels on different components: farther than anything on one.
+ELSEWHERE_LENGTH = 1e3
+# The local cost of what is placed nowhere: more than any that is placed has.
+NOWHERE_COST = 2.0 * LIMIT + LONGER_LIMIT
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,6 +113,8 @@ class Problem:
         (e, 2) pairs of nodes that are compared, and what is known of them.
     forbidden
         (k, s) bool, labels that a hint rules out.
+    price
+        What it costs to place a node nowhere; infinite if all must be placed.
     """
 
     question: Question
@@ -109,6 +122,7 @@ class Problem:
     edges: Ints
     measures: EdgeMeasures
     forbidden: Bools
+    price: float = np.inf
 
     @cached_property
     def nodes(self) -> Samples:
@@ -134,7 +148,9 @@ class Problem:
     @cached_property
     def full_geometry(self) -> FullGeometry:
         """Distances and directions between the labels, for kernels."""
-        return FullGeometry(self.labels.between, self.labels.headings)
+        # the square of an infinite length over itself would be no number
+        between = np.minimum(self.labels.between, ELSEWHERE_LENGTH).astype(np.float32, copy=False)
+        return FullGeometry(between, self.labels.headings)
 
 
 @dataclass(frozen=True, eq=False)
@@ -149,12 +165,19 @@ class Labeling:
         (k,) mean cost of the short edges at each node, 0 is perfect, above 2 is poor.
     energy
         Total cost per node.
+    placed
+        (k,) bool, False where a node is placed nowhere; its label is then the best guess.
     """
 
     labels: Ints
     rotations: Floats
     local_cost: Floats
     energy: float
+    placed: Bools = field(default_factory=lambda: np.ones(0, dtype=bool))
+
+    def __post_init__(self) -> None:
+        if len(self.placed) != len(self.labels):
+            object.__setattr__(self, "placed", np.ones(len(self.labels), dtype=bool))
 
 
 def labeling_problem(question: Question, similarity: Singles, rng: np.random.Generator) -> Problem:
@@ -184,8 +207,34 @@ def unary_cost(problem: Problem, labels: Ints, rotations: Floats, step: float) -
     return result
 
 
-def solve(problem: Problem, labels: Ints, rotations: Floats, *, step: float) -> Labeling:
+def solve(
+    problem: Problem, labels: Ints, rotations: Floats, *, step: float = SIMILARITY_STEP
+) -> Labeling:
     """Choose one of the candidates (k, c) of each node so that the total cost is low."""
+    edges, costs = problem.edges, pair_costs(problem, labels, rotations)
+    unary = unary_cost(problem, labels, rotations, step).astype(np.float32)
+    count = len(problem.nodes)
+    ends = edges.T.ravel()
+    order = np.argsort(ends, kind="stable")
+    incident = np.tile(np.arange(len(edges)), 2)[order]
+    pointers = np.searchsorted(ends[order], np.arange(count + 1))
+    placed = np.ones(count, dtype=bool)
+    if np.isfinite(problem.price):
+        open_costs, open_unary = _with_nowhere(problem, costs, unary)
+        chosen, energy = pass_messages(edges, open_costs, open_unary, pointers, incident, ROUNDS)
+        placed = chosen < labels.shape[1]
+        chosen = _best_guesses(chosen, edges, costs, unary, placed)
+    else:
+        chosen, energy = pass_messages(edges, costs, unary, pointers, incident, ROUNDS)
+    rows = np.arange(count)
+    paid = costs[np.arange(len(edges)), chosen[edges[:, 0]], chosen[edges[:, 1]]]
+    both: Bools = np.all(placed[edges], axis=1)
+    local = np.where(placed, _local_cost(problem, paid, both), NOWHERE_COST)
+    return Labeling(labels[rows, chosen], rotations[rows, chosen], local, energy / count, placed)
+
+
+def pair_costs(problem: Problem, labels: Ints, rotations: Floats) -> Singles:
+    """Cost (e, c, c) of each pair of candidates (k, c) on each edge."""
     edges, angles = problem.edges, problem.nodes.directions
     pairs = np.stack([angles[edges[:, 0], edges[:, 1]], angles[edges[:, 1], edges[:, 0]]], axis=1)
     costs = labeling_costs(
@@ -199,17 +248,31 @@ def solve(problem: Problem, labels: Ints, rotations: Floats, *, step: float) -> 
     )
     bridges = np.flatnonzero(~np.isfinite(problem.measures.length))
     costs[bridges] = _bridge_costs(problem, bridges, labels)
-    unary = unary_cost(problem, labels, rotations, step).astype(np.float32)
-    count = len(problem.nodes)
-    ends = edges.T.ravel()
-    order = np.argsort(ends, kind="stable")
-    incident = np.tile(np.arange(len(edges)), 2)[order]
-    pointers = np.searchsorted(ends[order], np.arange(count + 1))
-    chosen, energy = pass_messages(edges, costs, unary, pointers, incident, ROUNDS)
-    rows = np.arange(count)
-    paid = costs[np.arange(len(edges)), chosen[edges[:, 0]], chosen[edges[:, 1]]]
-    local = _local_cost(problem, paid)
-    return Labeling(labels[rows, chosen], rotations[rows, chosen], local, energy / count)
+    return costs
+
+
+def _with_nowhere(problem: Problem, costs: Singles, unary: Singles) -> tuple[Singles, Singles]:
+    """Costs (e, c + 1, c + 1) and (k, c + 1) with one candidate more: nowhere."""
+    measures, count = problem.measures, unary.shape[1]
+    weight = np.where(np.isfinite(measures.length), measures.weight, 0.0)
+    weight *= np.where(measures.length < LOCAL_LENGTH, 1.0, FAR_BOUNDARY)
+    wider = np.zeros((len(costs), count + 1, count + 1), dtype=np.float32)
+    wider[:, :count, :count] = costs
+    wider[:, :count, count] = wider[:, count, :count] = weight[:, None]
+    price = np.full((len(unary), 1), problem.price, dtype=np.float32)
+    return wider, np.concatenate([unary, price], axis=1)
+
+
+def _best_guesses(chosen: Ints, edges: Ints, costs: Singles, unary: Singles, placed: Bools) -> Ints:
+    """The candidates (k,), for nodes placed nowhere the one that suits their placed neighbors."""
+    total = unary.astype(np.float64)
+    for here, there, turned in ((0, 1, False), (1, 0, True)):
+        rows = np.flatnonzero(~placed[edges[:, here]] & placed[edges[:, there]])
+        at = chosen[edges[rows, there]]
+        table = costs[rows, at, :] if turned else costs[rows, :, at]
+        np.add.at(total, edges[rows, here], table)
+    guesses: Ints = np.where(placed, chosen, total.argmin(axis=1))
+    return guesses
 
 
 def _edges(nodes: Samples, places: Floats, rng: np.random.Generator) -> Ints:
@@ -284,10 +347,10 @@ def _bridge_costs(problem: Problem, bridges: Ints, labels: Ints) -> Singles:
     return result
 
 
-def _local_cost(problem: Problem, paid: Floats) -> Floats:
-    """Mean unweighted cost of the short edges at each node."""
+def _local_cost(problem: Problem, paid: Floats, both: Bools) -> Floats:
+    """Mean unweighted cost of the short edges at each node, of those (e,) placed at both ends."""
     count = len(problem.nodes)
-    short = problem.measures.length < LOCAL_LENGTH
+    short = (problem.measures.length < LOCAL_LENGTH) & both
     cost = paid[short] / problem.measures.weight[short]
     ends = problem.edges[short].T
     total = sum(np.bincount(end, cost, minlength=count) for end in ends)

@@ -13,11 +13,12 @@ import numpy as np
 
 from sherd.result_folder import RESULT
 
-__all__ = ["MATCH_FORMAT", "REGION_FORMAT", "folder_problems", "plain"]
+__all__ = ["MATCH_FORMAT", "OVERLAP_FORMAT", "REGION_FORMAT", "folder_problems", "plain"]
 
 # Of result.json; raise the number when a field changes its meaning.
 MATCH_FORMAT = "sherd match 1"
 REGION_FORMAT = "sherd region 1"
+OVERLAP_FORMAT = "sherd overlap 1"
 
 
 def folder_problems(folder: str | os.PathLike[str]) -> tuple[str, ...]:

@@ -1,4 +1,4 @@
-"""An output folder of `sherd match` or `sherd locate` as something to look at again."""
+"""An output folder of `sherd match`, `locate` or `overlap` as something to look at again."""
 
 from __future__ import annotations
 
@@ -12,13 +12,14 @@ import numpy as np
 
 from sherd.arrays import Bools
 from sherd.drawing.colors import correspondence_layer
-from sherd.drawing.exhibit import Exhibit, Partner, Verdict
+from sherd.drawing.exhibit import Exhibit, Partner, SharedCurve, Verdict
 from sherd.energy.convergence import Convergence
 from sherd.errors import InputError, SherdError
 from sherd.files.mesh_files import read_mesh
+from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.report.known_layers import file_layers, located_part_layers, stored_layers
-from sherd.report.stored.folder import MATCH_FORMAT, REGION_FORMAT, folder_problems
+from sherd.report.stored.folder import MATCH_FORMAT, OVERLAP_FORMAT, REGION_FORMAT, folder_problems
 from sherd.report.stored.stored_match import read_match
 from sherd.results.status import Status
 
@@ -33,7 +34,7 @@ def read_exhibit(folder: str | os.PathLike[str]) -> Exhibit:
     Raises
     ------
     InputError
-        If the folder is missing, mixes two runs, or holds neither a match nor a region.
+        If the folder is missing, mixes two runs, or holds no result.
     """
     path = Path(folder)
     problems = folder_problems(path)
@@ -46,11 +47,13 @@ def read_exhibit(folder: str | os.PathLike[str]) -> Exhibit:
             return _match_exhibit(path, document)
         if kind == REGION_FORMAT:
             return _region_exhibit(path, document)
+        if kind == OVERLAP_FORMAT:
+            return _overlap_exhibit(path, document)
     except SherdError:
         raise
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise InputError(f"{path}: cannot be read as a result ({error}); run again") from error
-    raise InputError(f"{path}: holds {kind!r}, neither the result of a match nor of locate")
+    raise InputError(f"{path}: holds {kind!r}, no result of match, locate or overlap")
 
 
 def _match_exhibit(path: Path, document: Mapping[str, Any]) -> Exhibit:
@@ -67,13 +70,42 @@ def _match_exhibit(path: Path, document: Mapping[str, Any]) -> Exhibit:
         ),
         part_layers=stored_layers(on_part.fields),
         partner=Partner(stored.points, stored.matched, stored.confidence),
-        verdict=Verdict.from_advice(
-            stored.status.advice, trusted=stored.status is not Status.DOUBTFUL
-        ),
+        verdict=Verdict.from_advice(stored.status.advice, trusted=stored.status is Status.GOOD),
         command=str(document.get("command", "")),
         landmarks=stored.options.landmarks,
         ignored=tuple(stored.options.ignore),
         region=stored.best.mask,
+    )
+
+
+def _overlap_exhibit(path: Path, document: Mapping[str, Any]) -> Exhibit:
+    on_first, on_second = read_mesh(path / "first.ply"), read_mesh(path / "second.ply")
+    first = _named(on_first, document["first"])
+    second = _named(on_second, document["second"])
+    table = np.genfromtxt(path / "correspondence.csv", delimiter=",", names=True)
+    weights = np.column_stack([table[f"b{k}"] for k in range(3)])
+    points = SurfacePoints(table["first_face"].astype(np.int64), weights)
+    inside = np.genfromtxt(path / "first_region.csv", delimiter=",", names=True)["in_region"] > 0
+    curve = document["strain_curve"]
+    return Exhibit(
+        title=f"{first.name} and {second.name}",
+        full=first,
+        part=second,
+        full_layers=(correspondence_layer(first), *stored_layers(on_first.fields, carried=True)),
+        part_layers=stored_layers(on_second.fields),
+        partner=Partner(points, table["matched"] > 0, table["confidence"]),
+        verdict=Verdict.from_advice(
+            str(document["advice"]), trusted=document["status"] == Status.GOOD.name.lower()
+        ),
+        command=str(document.get("command", "")),
+        region=inside if inside.any() else np.ones(len(inside), dtype=bool),
+        names=("First shape", "Second shape"),
+        curve=SharedCurve(
+            tuple(curve["strains"]),
+            tuple(curve["first"]),
+            tuple(curve["second"]),
+            float(document["options"]["strain"]),
+        ),
     )
 
 

@@ -94,6 +94,7 @@ def _result(path: Path, document: dict[str, Any]) -> MatchResult:
             for each in document.get("unfollowed_landmarks", ())
         ),
         min_confidence=float(document.get("min_confidence", 0.0)),
+        chance=document.get("chance"),
     )
 
 

@@ -1,0 +1,1 @@
+"""What two incomplete shapes share: one answer of both directions."""

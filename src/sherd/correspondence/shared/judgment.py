@@ -1,0 +1,113 @@
+"""How far an overlap can be trusted: vertex by vertex and as a whole."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from sherd.arrays import Floats, Ints
+from sherd.correspondence.confidence import LEAST, MOST, confidences
+from sherd.correspondence.question import Question
+from sherd.correspondence.shared.region_cut import shared_region
+from sherd.correspondence.shared.two_way_placement import Both, SharedPlacement, sharing_cost
+from sherd.correspondence.unfollowed import FOLLOWED
+from sherd.correspondence.working_placement import Queries
+from sherd.mesh.surface_points import SurfacePoints
+from sherd.mesh.triangle_mesh import TriangleMesh
+from sherd.results.advice import UnfollowedLandmark
+from sherd.results.overlap_result import StrainCurve
+
+__all__ = [
+    "overlap_chance",
+    "shared_confidence",
+    "strain_curve",
+    "unfollowed_pairs",
+]
+
+# From a twentieth of the length, which any pose strains everywhere, to tears.
+STRAINS = tuple(float(round(strain, 3)) for strain in np.geomspace(0.05, 1.0, 14))
+NEIGHBORS = 8
+# Beyond this two placements disagree, and not more.
+MOST_APART = 0.3
+
+# Of right overlaps, down to a seventh of the larger shape, both directions agreed on 0.25 and more
+# of the nodes that were worth their price; of shapes that share nothing, and of placements that
+# went wrong altogether, on 0.06 at most. Half way between is even, and both are told apart surely.
+CHANCE_COEFFICIENTS = (-5.0, 31.0)
+
+
+def shared_confidence(part: TriangleMesh, queries: Queries, place: SharedPlacement) -> Floats:
+    """Chance (n,) that each vertex of the working mesh is shared and its point near the truth.
+
+    That of :mod:`sherd.correspondence.confidence` inside what is shared; what is not shared has
+    the least.
+    """
+    asked = place.shared[queries.vertices]
+    result = np.full(part.vertex_count, LEAST)
+    if not asked.any():
+        return result
+    here = part.vertices[queries.vertices[asked]]
+    tree = cKDTree(here)
+    near = tree.query(part.vertices, k=min(NEIGHBORS, len(here)))[1].reshape(len(part.vertices), -1)
+    lack = (1.0 - np.clip(place.similarity[asked], 0.0, 1.0))[near].mean(axis=1)
+    strain = np.minimum(place.strain, 1.0)
+    apart = np.minimum(place.apart, MOST_APART)
+    ones = np.ones(part.vertex_count)
+    inside = place.shared
+    whole = (float(lack[inside].mean()), float(strain[inside].mean()))
+    columns = (ones, lack, strain, apart, whole[0] * ones, whole[1] * ones)
+    result[inside] = confidences(np.stack(columns, axis=1))[inside]
+    return result
+
+
+def overlap_chance(agreement: float) -> float:
+    """The chance that an overlap is right, by what both directions agree on.
+
+    `1 / (1 + exp(-(c_0 + c_1 agreement)))`, kept inside [0.005, 0.995]; see
+    :class:`sherd.correspondence.labels.two_way.TwoLabelings`.
+    """
+    raw = 1.0 / (1.0 + np.exp(-(CHANCE_COEFFICIENTS[0] + CHANCE_COEFFICIENTS[1] * agreement)))
+    return float(np.clip(raw, LEAST, MOST))
+
+
+def strain_curve(questions: Both[Question], placements: Both[SharedPlacement]) -> StrainCurve:
+    """Share of each shape's area that would be shared if more strain were accepted, or less."""
+    shares = []
+    for question, place in zip(questions, placements, strict=True):
+        mesh = question.part.mesh
+        shares.append(
+            tuple(
+                float(
+                    mesh.vertex_areas
+                    @ shared_region(mesh, sharing_cost(place.trip, place.strain, strain))
+                    / mesh.area
+                )
+                for strain in STRAINS
+            )
+        )
+    return StrainCurve(STRAINS, first=shares[1], second=shares[0])
+
+
+def unfollowed_pairs(
+    landmarks: Ints, first: TriangleMesh, points: SurfacePoints, unit: float
+) -> tuple[UnfollowedLandmark, ...]:
+    """The landmarks that an answer does not follow, farthest first.
+
+    Parameters
+    ----------
+    landmarks
+        (p, 2) vertices of the first and second shape.
+    first, points
+        The first shape, and the point on it of each vertex of the second.
+    unit
+        What counts as 1.
+    """
+    if len(landmarks) == 0:
+        return ()
+    answers = points[landmarks[:, 1]].positions(first)
+    off = np.linalg.norm(answers - first.vertices[landmarks[:, 0]], axis=1) / unit
+    return tuple(
+        UnfollowedLandmark(int(landmarks[k, 1]), int(landmarks[k, 0]), float(off[k]))
+        for k in np.argsort(-off, kind="stable")
+        if off[k] > FOLLOWED
+    )

@@ -1,0 +1,269 @@
+"""overlap(first, second): what two incomplete shapes share, and which point is which."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import partial
+from types import MappingProxyType
+from typing import Unpack
+
+import numpy as np
+
+from sherd.arrays import Ints
+from sherd.correspondence.labels.labeling import SAME_SCALE, UNKNOWN_SCALE, Problem
+from sherd.correspondence.labels.two_way import two_way_labelings
+from sherd.correspondence.placements import anchor_problem
+from sherd.correspondence.question import Question
+from sherd.correspondence.registration import surface_points
+from sherd.correspondence.scale import LARGEST_SCALE, SAME, ScaleEstimate, estimated_scale
+from sherd.correspondence.shared.hints import (
+    KeptShape,
+    check_overlap_hints,
+    kept_shape,
+    landmarks_on,
+    pins_on,
+)
+from sherd.correspondence.shared.judgment import (
+    overlap_chance,
+    shared_confidence,
+    strain_curve,
+    unfollowed_pairs,
+)
+from sherd.correspondence.shared.two_way_placement import Both, SharedPlacement, placed_together
+from sherd.correspondence.working_placement import Queries, part_queries
+from sherd.errors import InfeasibleError
+from sherd.mesh.sizes import SMALLEST_PART
+from sherd.output import Stages
+from sherd.region.coverage import smoothed
+from sherd.results.advice import OverlapDoubts
+from sherd.results.keywords import options_of
+from sherd.results.overlap_options import OverlapKeywords, OverlapOptions
+from sherd.results.overlap_result import Overlap, SharedMap
+from sherd.results.status import Status
+from sherd.scan.intake import ScanSource, scan_intake
+from sherd.surface.described import DescribedSurface
+from sherd.surface.prepared import described_part
+from sherd.threads import begun
+
+__all__ = ["STAGES", "overlap"]
+
+STAGES = ("first shape", "second shape", "scale", "labels", "placement", "region")
+
+# A vertex that lies between those of the working mesh is shared if half of it is.
+HALF = 0.5
+
+
+def overlap(
+    first: ScanSource,
+    second: ScanSource,
+    options: OverlapOptions | None = None,
+    *,
+    stages: Stages | None = None,
+    **keywords: Unpack[OverlapKeywords],
+) -> Overlap:
+    """Find what two incomplete shapes share, and for every vertex its point on the other.
+
+    Parameters
+    ----------
+    first, second
+        The shapes: deformed, cut anywhere, in any position and vertex order; whatever
+        :func:`sherd.match` takes for a part. Neither needs to be whole, and swapping them swaps the
+        answer.
+    options
+        See :class:`OverlapOptions`; the defaults if None.
+    stages
+        Collects timings and shows progress; a silent one if None.
+    keywords
+        The fields of :class:`OverlapOptions`, instead of `options`.
+
+    Returns
+    -------
+    Overlap
+        Numbered as the shapes are, whatever was repaired. That nothing is shared is an answer too:
+        its status says so.
+
+    Raises
+    ------
+    OptionError
+        If a landmark or ignored vertex does not exist, a keyword is unknown, or both `options` and
+        keywords are given.
+    InfeasibleError
+        If everything is ignored, or one shape is a dot beside the other.
+    MeshFileError, InvalidMeshError, InputError
+        If a shape cannot be read or is no mesh.
+
+    Notes
+    -----
+    Costs about one and a half times what :func:`sherd.match` does.
+
+    Examples
+    --------
+    >>> from sherd.shapes import creature, cut_by_ball, whole
+    >>> standing, walking = creature(5000), creature(5000, pose="walk")
+    >>> front = cut_by_ball(whole(standing, standing), 0, 0.7).mesh
+    >>> rear = cut_by_ball(whole(walking, standing), 3000, 0.9).mesh
+    >>> answer = overlap(front, rear)
+    >>> len(answer.second_to_first.points) == rear.vertex_count
+    True
+    """
+    options = options_of(OverlapOptions, options, keywords)
+    stages = stages or Stages(visible=False)
+    intakes = (scan_intake(first), scan_intake(second))
+    check_overlap_hints(*intakes, options)
+    shapes = (
+        kept_shape(intakes[0], options.ignore_first, name="first"),
+        kept_shape(intakes[1], options.ignore_second, name="second"),
+    )
+    _check_sizes(shapes, options.factor)
+    landmarks = landmarks_on(*shapes, options)
+    with stages("first shape"):
+        surfaces = _described(shapes, options.factor, landmarks)
+        second_prepared = begun(partial(_prepare, surfaces[1]))
+        _prepare(surfaces[0])
+    with stages("second shape"):
+        second_prepared()
+    questions = _questions(surfaces, landmarks, unknown=options.scale == "unknown")
+    with stages("scale"):
+        estimate = _scale(questions, options)
+        scale = options.factor * estimate.factor
+        if estimate.factor != 1.0:
+            surfaces = _described(shapes, scale, landmarks)
+            questions = _questions(surfaces, landmarks, unknown=True)
+    with stages("labels"):
+        problems = _problems(questions, options.seed)
+        rngs = (np.random.default_rng(options.seed + 1), np.random.default_rng(options.seed + 1))
+        labelings = two_way_labelings(*problems, rngs)
+    with stages("placement"):
+        queries = (_queries(questions[0], options), _queries(questions[1], options))
+        placements = placed_together(questions, labelings, queries, strain=options.strain)
+    with stages("region"):
+        maps = tuple(
+            _shared_map(shapes[side], shapes[1 - side], questions[side], queries[side], place)
+            for side, place in enumerate(placements)
+        )
+        curve = strain_curve(questions, placements)
+    chance = overlap_chance(labelings.agreement)
+    result = Overlap(
+        first=intakes[0].original,
+        second=intakes[1].original,
+        second_to_first=maps[0],
+        first_to_second=maps[1],
+        scale=scale,
+        status=Status.GOOD,
+        chance=chance,
+        curve=curve,
+        timings=MappingProxyType(dict(stages.seconds)),
+        options=options,
+        working_vertices=MappingProxyType(
+            {"first": surfaces[0].mesh.vertex_count, "second": surfaces[1].mesh.vertex_count}
+        ),
+        notices=MappingProxyType({"first": intakes[0].notices, "second": intakes[1].notices}),
+    )
+    doubts = OverlapDoubts(
+        chance=chance,
+        shared=all(bool(each.matched.any()) for each in maps),
+        checked=result.check().passed,
+        scale_bound=scale if estimate.at_bound else None,
+        unfollowed=unfollowed_pairs(
+            landmarks[:, 2:], intakes[0].original, maps[0].points, _unit(shapes, scale)
+        ),
+    )
+    return replace(
+        result,
+        status=doubts.status,
+        advice=doubts.advice,
+        unfollowed_landmarks=doubts.unfollowed,
+    )
+
+
+def _check_sizes(shapes: Both[KeptShape], factor: float) -> None:
+    """Refuse shapes without area and pairs of which one is a dot beside the other."""
+    for shape in shapes:
+        if not (np.isfinite(shape.mesh.area) and shape.mesh.area > 0):
+            raise InfeasibleError(
+                f"{shape.mesh.name}: the surface has area {shape.mesh.area}, so nothing can be "
+                "matched; its faces are degenerate or its coordinates too small"
+            )
+    ratio = shapes[1].mesh.area * factor**2 / shapes[0].mesh.area
+    if not SMALLEST_PART < ratio < 1 / SMALLEST_PART:
+        raise InfeasibleError(
+            f"{shapes[1].mesh.name} has {ratio:.4g} times the area of {shapes[0].mesh.name}, so "
+            "nothing can be found; are the two in different units?"
+        )
+
+
+def _unit(shapes: Both[KeptShape], scale: float) -> float:
+    """Length in the first shape's unit that counts as 1: sqrt(area) of the larger shape."""
+    return max(shapes[0].mesh.length, shapes[1].mesh.length * scale)
+
+
+def _described(shapes: Both[KeptShape], scale: float, landmarks: Ints) -> Both[DescribedSurface]:
+    unit = _unit(shapes, scale)
+    return (
+        described_part(shapes[0].mesh, unit, sampled_at=landmarks[:, 0]),
+        described_part(shapes[1].mesh, unit / scale, sampled_at=landmarks[:, 1]),
+    )
+
+
+def _questions(
+    surfaces: Both[DescribedSurface], landmarks: Ints, *, unknown: bool
+) -> Both[Question]:
+    """The second shape on the first, and the first on the second."""
+    first, second = surfaces
+    comparison = UNKNOWN_SCALE if unknown else SAME_SCALE
+    there = pins_on(first, second, landmarks[:, 0], landmarks[:, 1])
+    back = pins_on(second, first, landmarks[:, 1], landmarks[:, 0])
+    return (
+        Question(first, second, comparison, there),
+        Question(second, first, comparison, back),
+    )
+
+
+def _scale(questions: Both[Question], options: OverlapOptions) -> ScaleEstimate:
+    """Geometric mean of what both directions find, so that swapping the shapes inverts it."""
+    if options.scale != "unknown":
+        return SAME
+    there, back = (
+        estimated_scale(question, np.random.default_rng(options.seed), largest=LARGEST_SCALE)
+        for question in questions
+    )
+    return ScaleEstimate(
+        float(np.sqrt(there.factor / back.factor)), there.at_bound or back.at_bound
+    )
+
+
+def _problems(questions: Both[Question], seed: int) -> Both[Problem]:
+    there, back = (anchor_problem(question, np.random.default_rng(seed)) for question in questions)
+    return (there, back)
+
+
+def _prepare(surface: DescribedSurface) -> None:
+    """Compute now what is needed on first use."""
+    _ = (surface.spectra, surface.dense, surface.sparse)
+
+
+def _queries(question: Question, options: OverlapOptions) -> Queries:
+    return part_queries(question, np.random.default_rng(options.seed))
+
+
+def _shared_map(
+    full: KeptShape,
+    part: KeptShape,
+    question: Question,
+    queries: Queries,
+    place: SharedPlacement,
+) -> SharedMap:
+    """The answer for the vertices of `part` as the user counts; what was left out is unmatched."""
+    surface = question.part
+    at_own = surface.working.at_own_vertices
+    points = surface_points(question.full.own_finder, surface, place.deformation)
+    source, known = part.sources()
+    matched = (at_own(place.shared.astype(np.float64)) >= HALF)[source] & known
+    soft = at_own(smoothed(surface.mesh, place.shared))[source]
+    sure = at_own(shared_confidence(surface.mesh, queries, place))[source]
+    return SharedMap(
+        points=full.to_original_points(points[source]),
+        matched=matched,
+        membership=np.where(known, soft, 0.0),
+        confidence=np.where(known, sure, 0.0),
+    )

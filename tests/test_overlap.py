@@ -1,0 +1,116 @@
+"""overlap: what two incomplete shapes share, on generated animals whose truth is known."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import sherd
+from sherd.benchmark.datasets.cut_pairs import points_on_other_part
+from sherd.benchmark.datasets.pairs import Pair
+from sherd.benchmark.metrics import region_overlap
+from sherd.errors import InfeasibleError, OptionError
+from sherd.results.overlap_result import Overlap
+from sherd.results.status import Status
+from sherd.shapes.creature import creature, landmarks
+from sherd.shapes.fragment import Fragment, cut_by_ball, moved, whole
+
+
+@pytest.fixture(scope="module")
+def fragments() -> tuple[Fragment, Fragment]:
+    """The front of the standing animal, and all but the head of the walking one."""
+    full = creature(5000)
+    nose = landmarks(full)["nose"]
+    front = cut_by_ball(whole(full, full), nose, 0.85)
+    walking = whole(creature(5000, pose="walk"), full)
+    near = cut_by_ball(walking, nose, 0.35).region
+    faces = ~near[walking.mesh.faces].any(axis=1)
+    mesh, kept = walking.mesh.submesh(faces)
+    rear = replace(walking, mesh=mesh, truth=walking.truth[kept], present=walking.present[kept])
+    return front, moved(rear, np.random.default_rng(3))
+
+
+@pytest.fixture(scope="module")
+def answer(fragments: tuple[Fragment, Fragment]) -> Overlap:
+    return sherd.overlap(fragments[0].mesh, fragments[1].mesh)
+
+
+def as_pair(fragment: Fragment) -> Pair:
+    return Pair("", fragment.full, fragment.mesh, fragment.truth, None)
+
+
+def test_what_is_shared_is_found_on_both_with_its_points(fragments, answer) -> None:
+    front, rear = fragments
+    truth, on_rear = points_on_other_part(as_pair(front), as_pair(rear))
+    _, on_front = points_on_other_part(as_pair(rear), as_pair(front))
+    assert region_overlap(front.mesh, answer.first_to_second.matched, on_front) > 0.88
+    assert region_overlap(rear.mesh, answer.second_to_first.matched, on_rear) > 0.88
+    rows = np.flatnonzero(on_rear)
+    there = answer.second_to_first.points[rows].positions(front.mesh)
+    off = np.linalg.norm(there - truth[rows].positions(front.mesh), axis=1) / front.full.length
+    assert off.mean() < 0.015
+
+
+def test_there_and_back_is_one_answer(answer) -> None:
+    check = answer.check()
+    assert check.passed
+    assert check.there_and_back < 0.5
+
+
+def test_swapping_the_shapes_swaps_the_answer(fragments, answer) -> None:
+    swapped = sherd.overlap(fragments[1].mesh, fragments[0].mesh)
+    for one, other in (
+        (answer.first_to_second, swapped.second_to_first),
+        (answer.second_to_first, swapped.first_to_second),
+    ):
+        assert np.array_equal(one.matched, other.matched)
+        assert np.array_equal(one.points.faces, other.points.faces)
+        assert np.allclose(one.points.barycentric, other.points.barycentric)
+    assert swapped.chance == pytest.approx(answer.chance)
+    assert swapped.curve.first == answer.curve.second
+
+
+def test_more_is_shared_the_more_strain_is_accepted(answer) -> None:
+    for shares in (answer.curve.first, answer.curve.second):
+        assert np.all(np.diff(shares) > -0.01)
+        assert 0 <= shares[0] <= shares[-1] <= 1
+
+
+def test_nothing_shared_is_an_answer(fragments) -> None:
+    size = np.linspace(0, 1, 40)
+    x, y = np.meshgrid(size, size, indexing="ij")
+    grid = np.arange(1600).reshape(40, 40)
+    corners = [grid[:-1, :-1], grid[1:, :-1], grid[1:, 1:], grid[:-1, 1:]]
+    faces = np.concatenate(
+        [
+            np.stack([corners[k] for k in three], axis=-1).reshape(-1, 3)
+            for three in ((0, 1, 2), (0, 2, 3))
+        ]
+    )
+    bumps = 0.1 * np.sin(9 * x) * np.cos(8 * y)
+    vertices = np.stack([x, y, bumps], axis=-1).reshape(-1, 3) * fragments[0].full.length * 0.7
+    answer = sherd.overlap(fragments[0].mesh, (vertices, faces))
+    assert answer.status is not Status.GOOD
+    assert len(answer.second_to_first.points) == 1600
+    assert answer.first_to_second.confidence.max() <= 1
+
+
+def test_what_is_ignored_is_not_shared_and_what_does_not_exist_is_refused(fragments) -> None:
+    front, rear = fragments
+    with pytest.raises(OptionError, match="ignore_first names vertex 99999 of the first shape"):
+        sherd.overlap(front.mesh, rear.mesh, ignore_first=[99999])
+    with pytest.raises(OptionError, match="landmarks names vertex 99999 of the second shape"):
+        sherd.overlap(front.mesh, rear.mesh, landmarks=[(0, 99999)])
+    with pytest.raises(InfeasibleError, match="every face of the second shape"):
+        sherd.overlap(front.mesh, rear.mesh, ignore_second=np.ones(rear.mesh.vertex_count, bool))
+    with pytest.raises(OptionError, match="strain is 0"):
+        sherd.OverlapOptions(strain=0.0)
+
+
+def test_a_dot_beside_the_other_is_refused(fragments) -> None:
+    front, rear = fragments
+    small = rear.mesh.with_vertices(rear.mesh.vertices * 1e-3)
+    with pytest.raises(InfeasibleError, match="in different units"):
+        sherd.overlap(front.mesh, small)
