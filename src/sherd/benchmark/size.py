@@ -6,11 +6,7 @@ Each size is a process of its own, so reading, repair, the report and the peak o
 from __future__ import annotations
 
 import json
-import os
-import subprocess
-import sys
 import tempfile
-import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -21,7 +17,7 @@ from sherd._version import __version__
 from sherd.benchmark.metrics import evenly_spread
 from sherd.benchmark.paper.drawing import check_plotting, draw_curves
 from sherd.benchmark.row_file import write_rows
-from sherd.errors import SherdError
+from sherd.benchmark.timed_command import THIS, timed
 from sherd.files.mesh_files import write_mesh
 from sherd.mesh.surface_points import SurfacePoints, closest_points
 from sherd.shapes.creature import SMALLEST, creature
@@ -128,37 +124,20 @@ def _measured(size: int) -> SizeRow:
         folder = Path(scratch)
         write_mesh(fragment.full, folder / "full.ply")
         write_mesh(fragment.mesh, folder / "part.ply")
-        wall, cpu, peak = _run(folder)
+        shapes = [str(folder / "full.ply"), str(folder / "part.ply")]
+        run = timed([*THIS, "match", "-q", *shapes, "-o", str(folder / "out")])
         found = np.loadtxt(folder / "out" / "correspondence.csv", delimiter=",", skiprows=1)
         stages = json.loads((folder / "out" / "result.json").read_text(encoding="utf-8"))
     answers = SurfacePoints(found[:, 1].astype(np.int64), found[:, 2:5])
     return SizeRow(
         full_vertices=fragment.full.vertex_count,
         part_vertices=fragment.mesh.vertex_count,
-        wall_seconds=wall,
-        cpu_seconds=cpu,
-        peak_gigabytes=peak,
+        wall_seconds=run.wall_seconds,
+        cpu_seconds=run.cpu_seconds,
+        peak_gigabytes=run.peak_gigabytes,
         error=_error(fragment, answers),
         stages=stages["timings"],
     )
-
-
-def _run(folder: Path) -> tuple[float, float, float]:
-    """Wall seconds, CPU seconds and gigabytes of one `sherd match`."""
-    command = [
-        sys.executable, "-m", "sherd", "match", "-q",
-        str(folder / "full.ply"), str(folder / "part.ply"), "-o", str(folder / "out"),
-    ]  # fmt: skip
-    start = time.perf_counter()
-    process = subprocess.Popen(command)  # noqa: S603 - our own program, no shell
-    _, status, usage = os.wait4(process.pid, 0)
-    wall = time.perf_counter() - start
-    code = process.returncode = os.waitstatus_to_exitcode(status)
-    if code not in (0, 4):  # done, or done with doubts
-        raise SherdError(f"sherd match ended with exit code {code}")
-    # Linux counts kibibytes, macOS bytes
-    unit = 1 if sys.platform == "darwin" else 1024
-    return wall, usage.ru_utime + usage.ru_stime, usage.ru_maxrss * unit / 1e9
 
 
 def _error(fragment: Fragment, answers: SurfacePoints) -> float:

@@ -12,6 +12,7 @@ from sherd.benchmark.paper.run import paper_figures, paper_summary
 from sherd.benchmark.region import region_benchmark, region_table
 from sherd.benchmark.robustness import RobustnessRow, robustness, robustness_commands
 from sherd.benchmark.size import SIZES, size_benchmark, size_table
+from sherd.benchmark.speed import WORKS, speed_benchmark, speed_table
 from sherd.cli.bench_match import faust_command, shrec16_command, smal_match_command
 from sherd.cli.bench_overlap import (
     belonging_command,
@@ -110,6 +111,35 @@ def size_command(*, largest: int, output: Path) -> int:
     sizes = [size for size in SIZES if size <= largest]
     rows = size_benchmark(output, sizes=sizes)
     click.echo(f"{size_table(rows)}\nOpen {output / 'size.png'} to see it.")
+    return 0
+
+
+@bench_group.command("speed")
+@click.option("--work", "works", type=click.Choice(list(WORKS)), multiple=True, help="All if none.")
+@click.option("--repeats", type=int, default=5, show_default=True, help="Runs of each.")
+@click.option(
+    "--against",
+    metavar="COMMAND",
+    help="Another installation, such as other/.venv/bin/sherd: it runs in turn with this one.",
+)
+@click.option("-o", "--output", type=click.Path(path_type=Path), required=True, help="Folder.")
+def speed_command(
+    *, works: tuple[str, ...], repeats: int, against: str | None, output: Path
+) -> int:
+    """Time commands on generated shapes, alone or in turn with another installation.
+
+    Writes speed.json; ratios are wall seconds of this installation over those of the other.
+
+    
+    Example:
+      sherd bench speed --against old/.venv/bin/sherd -o speed/
+    """  # noqa: D301
+    require_whole("repeats", repeats, 1, 100, "the median of more says no more")
+    chosen = works or tuple(WORKS)
+    stages = Stages(len(chosen) + 1)
+    rows = speed_benchmark(output, works=chosen, repeats=repeats, against=against, stages=stages)
+    stages.close()
+    click.echo(speed_table(rows))
     return 0
 
 

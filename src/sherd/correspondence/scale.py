@@ -78,7 +78,7 @@ def estimated_scale(
     factor = float(factors[finalists[best]]) * trials[best][1]
     for _ in range(REFINEMENTS):
         factor = float(np.clip(factor, 1 / LARGEST_SCALE, largest))
-        factor *= _trial(question, factor, rng.integers(2**32))[1]
+        factor *= _trial(question, factor, int(rng.integers(2**32)))[1]
     factor = float(np.clip(factor, 1 / LARGEST_SCALE, largest))
     at_bound = factor <= BOUND / LARGEST_SCALE or factor >= largest / BOUND
     return ScaleEstimate(factor, at_bound)
@@ -103,7 +103,7 @@ def length_ratio(problem: Problem, labeling: Labeling) -> tuple[float, float]:
 
 def _trials(question: Question, factors: Floats, seeds: Ints) -> list[tuple[float, float]]:
     """A trial of each factor, as many at a time as there are cores."""
-    works = [partial(_trial, question, *each) for each in zip(factors, seeds, strict=True)]
+    works = [partial(_trial, question, *each) for each in zip(factors.tolist(), seeds.tolist(), strict=True)]
     return [result() for result in [begun(work) for work in works]]
 
 

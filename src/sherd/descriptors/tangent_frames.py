@@ -90,7 +90,9 @@ def geodesic_directions(
     side = np.cross(z_axes, x_axes)
     along = _sample_gradient(mesh, samples, x_axes)
     across = _sample_gradient(mesh, samples, side)
-    slopes = Slopes(along.indptr, along.indices, along.data, across.data)
+    slopes = Slopes(
+        along.indptr.astype(np.int64), along.indices.astype(np.int64), along.data, across.data
+    )
     angles = np.empty((len(samples), len(samples)), dtype=np.float32)
     over_rows(
         directions, len(samples), np.ascontiguousarray(mesh.vertices[samples]), samples, distances,

@@ -79,7 +79,8 @@ class Geodesics:
     def distances_to_set(self, sources: ArrayLike) -> Floats:
         """Distance from every vertex to the nearest of the sources, (n,) l; inf if none."""
         indices = np.unique(self._checked(sources))
-        return self._from_sets(indices, np.array([0, len(indices)]))[0]
+        found: Floats = self._from_sets(indices, np.array([0, len(indices)]))[0]
+        return found
 
     def _from_sets(self, members: Ints, starts: Ints) -> Floats:
         """Distance (s, n) to the nearest of `members[starts[i]:starts[i + 1]]`."""
