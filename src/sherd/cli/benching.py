@@ -130,10 +130,10 @@ def speed_command(
 
     Writes speed.json; ratios are wall seconds of this installation over those of the other.
 
-    
+    \b
     Example:
       sherd bench speed --against old/.venv/bin/sherd -o speed/
-    """  # noqa: D301
+    """
     require_whole("repeats", repeats, 1, 100, "the median of more says no more")
     chosen = works or tuple(WORKS)
     stages = Stages(len(chosen) + 1)

@@ -9,6 +9,7 @@ import click
 import numpy as np
 
 from sherd.benchmark.metrics import region_overlap
+from sherd.cli.first_run import prepare_first_run
 from sherd.cli.inputs import check_outputs, show_notices
 from sherd.cli.matching import match_and_write, match_summary
 from sherd.cli.options import overwrite_option, quiet_option
@@ -55,6 +56,7 @@ def demo_command(output: Path, *, overwrite: bool, quiet: bool) -> int:
     pieces = output / "pieces"
     first, second = pieces / "front.ply", pieces / "rear.ply"
     check_outputs(output, MATCH_FORMAT, full, part, overwrite=overwrite, own=(*own, pieces.name))
+    prepare_first_run(quiet=quiet)
     both = (first.name, second.name)
     check_outputs(pieces, OVERLAP_FORMAT, first, second, overwrite=overwrite, own=both)
     stages = Stages(len(STAGES) + len(OVERLAP_STAGES) + 3, visible=False if quiet else None)

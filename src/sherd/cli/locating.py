@@ -9,6 +9,7 @@ from typing import Any
 import click
 
 from sherd.cli.exits import NOT_CONVERGED
+from sherd.cli.first_run import prepare_first_run
 from sherd.cli.inputs import (
     check_outputs,
     command_line,
@@ -105,6 +106,7 @@ def locate_command(
     """  # noqa: D301
     options = LocateOptions(**parameters)
     check_outputs(output, REGION_FORMAT, full, part, overwrite=overwrite, template=template)
+    prepare_first_run(quiet=quiet)
     stages = Stages(len(STAGES) + 1, visible=False if quiet else None)
     scan = scan_intake(part)
     result = locate(stored_template(template, full, quiet=quiet), scan, options, stages=stages)

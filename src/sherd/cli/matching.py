@@ -10,6 +10,7 @@ import click
 import numpy as np
 
 from sherd.cli.exits import NOT_CONVERGED
+from sherd.cli.first_run import prepare_first_run
 from sherd.cli.inputs import (
     ScaleType,
     check_outputs,
@@ -124,6 +125,7 @@ def match_command(  # noqa: PLR0913 - one for each word that can be typed
     require_finite("min_confidence", min_confidence, 0, 1, "it is a chance")
     require_seed(seed)
     check_outputs(output, MATCH_FORMAT, full, part, overwrite=overwrite, template=template)
+    prepare_first_run(quiet=quiet)
     stages = Stages(len(STAGES) + 1, visible=False if quiet else None)
     scan = scan_intake(part)
     described = stored_template(template, full, quiet=quiet)

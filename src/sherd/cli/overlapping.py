@@ -10,6 +10,7 @@ import click
 import numpy as np
 
 from sherd.cli.exits import NOT_CONVERGED
+from sherd.cli.first_run import prepare_first_run
 from sherd.cli.inputs import ScaleType, check_outputs, command_line, show_notices
 from sherd.cli.options import overwrite_option, quiet_option
 from sherd.cli.tables import read_ignored, read_landmarks
@@ -94,6 +95,7 @@ def overlap_command(  # noqa: PLR0913 - one for each word that can be typed
     """  # noqa: D301
     require_seed(seed)
     check_outputs(output, OVERLAP_FORMAT, first, second, overwrite=overwrite)
+    prepare_first_run(quiet=quiet)
     stages = Stages(len(STAGES) + 1, visible=False if quiet else None)
     shapes = (scan_intake(first), scan_intake(second))
     options = OverlapOptions(

@@ -103,7 +103,10 @@ def length_ratio(problem: Problem, labeling: Labeling) -> tuple[float, float]:
 
 def _trials(question: Question, factors: Floats, seeds: Ints) -> list[tuple[float, float]]:
     """A trial of each factor, as many at a time as there are cores."""
-    works = [partial(_trial, question, *each) for each in zip(factors.tolist(), seeds.tolist(), strict=True)]
+    works = [
+        partial(_trial, question, *each)
+        for each in zip(factors.tolist(), seeds.tolist(), strict=True)
+    ]
     return [result() for result in [begun(work) for work in works]]
 
 
