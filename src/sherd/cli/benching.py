@@ -133,7 +133,7 @@ def speed_command(
     \b
     Example:
       sherd bench speed --against old/.venv/bin/sherd -o speed/
-    """
+    """  # noqa: D301
     require_whole("repeats", repeats, 1, 100, "the median of more says no more")
     chosen = works or tuple(WORKS)
     stages = Stages(len(chosen) + 1)
