@@ -69,14 +69,12 @@ def mirrored_placement(
 def node_similarity(
     question: Question, node_spectra: Singles, *, inside: Singles | None = None
 ) -> Singles:
-    """Similarity (k, s, r) of each node with the members of each label's cell, by rotation.
+    """Similarity (k, s, r) of each node with the vertices of each label's cell, by rotation.
 
     `node_spectra` are not projected yet. `inside` are spectra of the full shape as seen within a
     region; all of it is seen if None.
     """
     full = question.full
-    members = full.dense.members
-    spectra = (full.spectra if inside is None else inside)[:, members]
-    return pooled_similarity(
-        spectra, full.axes.project(node_spectra), full.dense.cells[members], len(full.dense)
-    )
+    spectra = full.spectra if inside is None else inside
+    projected = full.axes.project(node_spectra)
+    return pooled_similarity(spectra, projected, full.dense.cells, len(full.dense))

@@ -30,9 +30,6 @@ DENSE_COUNT = 1200
 # 200 samples of a part of half the area lie 0.05 apart, half the largest neighborhood; 400 were
 # no better and four times as dear, 300 gained 0.003 IoU in locating for twice the time.
 SPARSE_COUNT = 200
-# Of a label's cell so many vertices are compared with a node: they lie 0.013 apart, a third of the
-# smallest radius, so that one of them sees nearly what the best vertex would see.
-MEMBERS = 5
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,21 +100,6 @@ class Samples:
         nearest: Ints = self.distances.argmin(axis=0)
         nearest[self.vertices] = np.arange(len(self))
         return nearest
-
-    @cached_property
-    def members(self) -> Ints:
-        """(r,) vertices that stand for all others of their cells, at most `MEMBERS` of each.
-
-        The sample itself, the vertex of its cell that is farthest from it, and some between.
-        """
-        cells = self.cells
-        gap = self.distances[cells, np.arange(len(cells))]
-        order = np.lexsort((gap, cells))
-        starts = np.searchsorted(cells[order], np.arange(len(self)))
-        sizes = np.diff(np.append(starts, len(order)))
-        steps = np.linspace(0.0, 1.0, MEMBERS)
-        ranks = np.rint(steps[None, :] * np.maximum(sizes - 1, 0)[:, None]).astype(np.int64)
-        return np.unique(order[(starts[:, None] + ranks)[sizes > 0]])
 
     @cached_property
     def headings(self) -> Singles:
