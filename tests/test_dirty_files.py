@@ -118,7 +118,7 @@ def test_a_part_inside_out_is_matched_if_either_side_may_be_meant(
     else:
         np.testing.assert_array_equal(found.part.faces, inside_out.faces)
         assert error.mean() > 0.05
-        assert found.status is Status.DOUBTFUL
+        assert found.status is not Status.GOOD
 
 
 def test_a_part_inside_out_is_located_if_either_side_may_be_meant(

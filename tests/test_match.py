@@ -108,8 +108,8 @@ def test_parts_of_something_else_score_low(template: Template, result: MatchResu
         size = 0.6 * template.full.length / foreign.length
         found.append(match(template, foreign.with_vertices(size * foreign.vertices)))
     assert max(other.best.score for other in found) < result.best.score - 0.2
-    # two placements of a torus may agree by chance
-    assert sum(other.status is Status.DOUBTFUL for other in found) >= 2
+    assert all(other.status is Status.FOREIGN for other in found)
+    assert max(other.chance or 0.0 for other in found) < 0.1 < 0.9 < (result.chance or 0.0)
     sure = np.mean([other.confidence.mean() for other in found])
     assert sure < 0.5 * result.confidence.mean()
 
@@ -137,7 +137,7 @@ def test_a_given_scale_and_given_units_match_as_the_enlarged_part_does(
 def test_a_scale_beyond_the_range_is_not_called_good(template: Template, piece: Fragment) -> None:
     """A quarter of the size; half is the least that is sought."""
     found = match(template, scaled(piece, 0.25).mesh, scale="unknown")
-    assert found.status is Status.DOUBTFUL
+    assert found.status is not Status.GOOD
     assert found.scale == pytest.approx(2.0, rel=0.02)
     assert "the scale stands at its bound" in found.advice
     assert "unknown" not in found.advice  # it was asked for
@@ -169,7 +169,7 @@ def test_landmarks_that_contradict_each_other_are_named(
     assert wrong.full_vertex == far
     assert set(wrong.contradicts) <= set(part[:3])
     assert len(wrong.contradicts) >= 2
-    assert found.status is Status.DOUBTFUL
+    assert found.status is not Status.GOOD
     assert f"part vertex {part[3]} on full vertex {far}" in found.advice
 
 
