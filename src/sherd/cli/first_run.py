@@ -14,6 +14,9 @@ import click
 
 __all__ = ["prepare_first_run", "rehearse"]
 
+# Nobody waits for it: what it has compiled when it is needed is of use, the rest next time.
+_beside: list[subprocess.Popen[bytes]] = []
+
 
 def prepare_first_run(*, quiet: bool) -> None:
     """Say that loops have to be compiled, and begin to, if this version never ran here."""
