@@ -112,7 +112,7 @@ def read_answer(folder: Path) -> Answer:
         full_colors=color_by_vertex(folder / "full.ply"),
         part_colors=color_by_vertex(folder / "part.ply"),
         advice=str(document.get("advice", "")),
-        doubtful=document.get("status") == "doubtful",
+        doubtful=document.get("status") != "good",
     )
 
 

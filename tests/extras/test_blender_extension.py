@@ -90,7 +90,7 @@ def test_the_answer_is_that_of_the_files(exchange, matched, shapes) -> None:
     np.testing.assert_array_equal(answer.matched, result.matched)
     np.testing.assert_allclose(answer.confidence, result.confidence, atol=1e-8)
     np.testing.assert_array_equal(answer.region, result.best.mask)
-    assert answer.doubtful == (result.status is sherd.Status.DOUBTFUL)
+    assert answer.doubtful == (result.status is not sherd.Status.GOOD)
     for colors, name in ((answer.full_colors, "full"), (answer.part_colors, "part")):
         wanted = read_mesh(matched / f"{name}.ply").fields["color"]
         np.testing.assert_allclose(np.array(colors)[:, :3], wanted, atol=1e-12)
