@@ -28,8 +28,8 @@ FEATURES = (
 )  # fmt: skip
 # A logistic regression over 49 placements: parts of a generated animal and of three animated ones
 # on themselves in another pose, on each other, and six smooth shapes on all. Of right ones it
-# was 0.88 and more but for one of error 4.3 (0.26), of foreign ones 0.25 and less but for a cat's
-# half on a lion (0.53). Lack of similarity told nothing that these do not.
+# is 0.89 and more but for one of error 4.3 (0.23), of foreign ones 0.24 and less but for a cat's
+# part on a lion (0.53): the same 49, none was held out. Lack of similarity told nothing more.
 COEFFICIENTS = (7.2, -9.7, -3.7, -0.4, -2.7)
 # The same of the ratio of a first labeling alone, where no placement is known.
 FIRST_COEFFICIENTS = (6.9, -11.4)
