@@ -10,6 +10,7 @@ import pickle
 from collections.abc import Callable, Mapping
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, fields, is_dataclass
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -100,6 +101,11 @@ def basis() -> EigenBasis:
     return eigenbasis(MESH, 5)
 
 
+@cache
+def overlap_result() -> sherd.Overlap:
+    return sherd.overlap(MESH, MESH)
+
+
 MAKERS: dict[str, Callable[[], object]] = {
     "Convergence": lambda: sherd.Convergence.STALLED,
     "LocateOptions": lambda: sherd.LocateOptions(method="subspace"),
@@ -107,6 +113,8 @@ MAKERS: dict[str, Callable[[], object]] = {
     "MatchOptions": lambda: match_result().options,
     "MatchResult": match_result,
     "MeshReport": lambda: sherd.inspect(MESH),
+    "Overlap": overlap_result,
+    "OverlapOptions": lambda: sherd.OverlapOptions(strain=0.3),
     "Placement": placement,
     "PointCloud": lambda: sherd.PointCloud(MESH.vertices, MESH.vertex_normals),
     "RepairReport": repair_report,

@@ -144,7 +144,7 @@ def test_huge_coordinates_and_quads(run, located, pair, tmp_path) -> None:
     quad = tmp_path / "quad.off"
     quad.write_text("OFF\n4 1 0\n0 0 0\n.1 0 0\n.1 .1 0\n0 .1 0\n4 0 1 2 3\n")
     done = run("locate", pair[0], quad, "-o", tmp_path / "quad")
-    assert done.returncode == 0, done.stderr
+    assert done.returncode == 4, done.stderr  # a flat square fits anywhere
     assert "triangles" in done.stderr
 
 

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from sherd.correspondence.labels.anchors import find_anchors
 from sherd.correspondence.labels.labeling import SAME_SCALE, Labeling
-from sherd.correspondence.placements import anchor_labeling, mirrored_placement
+from sherd.correspondence.placements import anchor_problem, mirrored_placement
 from sherd.correspondence.question import Question
 from sherd.correspondence.working_placement import (
     Queries,
@@ -24,8 +25,8 @@ def image(planted) -> Question:
 
 @pytest.fixture(scope="module")
 def labelings(planted, image) -> tuple[Labeling, Labeling]:
-    here = anchor_labeling(planted.question, np.random.default_rng(0))
-    return here, anchor_labeling(image, np.random.default_rng(0))
+    here = find_anchors(anchor_problem(planted.question, np.random.default_rng(0)))
+    return here, find_anchors(anchor_problem(image, np.random.default_rng(0)))
 
 
 @pytest.fixture(scope="module")

@@ -8,7 +8,12 @@ import pytest
 from sherd.correspondence import scale
 from sherd.correspondence.labels.labeling import UNKNOWN_SCALE, Labeling, labeling_problem
 from sherd.correspondence.question import Question
-from sherd.correspondence.scale import LARGEST_SCALE, estimated_scale, length_ratio
+from sherd.correspondence.scale import (
+    LARGEST_SCALE,
+    estimated_scale,
+    largest_factor,
+    length_ratio,
+)
 from sherd.mesh.sizes import LARGEST_PART
 from sherd.surface.described import DescribedSurface, Known
 from sherd.surface.samples import Samples
@@ -56,7 +61,7 @@ def test_the_scale_of_a_part_is_estimated(planted) -> None:
     )
     small = enlarged(DescribedSurface(part.working, reference=part.reference, known=known), 0.6)
     question = Question(planted.question.full, small, UNKNOWN_SCALE)
-    found = estimated_scale(question, np.random.default_rng(0))
+    found = estimated_scale(question, np.random.default_rng(0), largest=largest_factor(question))
     assert not found.at_bound
     assert found.factor * 0.6 == pytest.approx(1.0, abs=0.04)
 
@@ -69,7 +74,8 @@ def test_the_factor_is_corrected_three_times(planted, monkeypatch) -> None:
         return -abs(np.log(true / factor)), float(np.sqrt(true / factor))
 
     monkeypatch.setattr(scale, "_trial", trial)
-    found = estimated_scale(planted.question, np.random.default_rng(0))
+    room = largest_factor(planted.question)
+    found = estimated_scale(planted.question, np.random.default_rng(0), largest=room)
     grid = np.geomspace(1 / LARGEST_SCALE, LARGEST_SCALE, scale.GRID)
     largest = np.sqrt(LARGEST_PART / planted.question.part.mesh.area)
     first = np.abs(np.log(true / grid[grid <= largest])).min()
@@ -94,7 +100,9 @@ def test_no_scale_beyond_the_range_or_the_full_shape_is_answered(
 
     monkeypatch.setattr(scale, "_trial", trial)
     largest = np.sqrt(LARGEST_PART * full.mesh.area / other.area)
-    found = estimated_scale(Question(full, part, UNKNOWN_SCALE), np.random.default_rng(0))
+    question = Question(full, part, UNKNOWN_SCALE)
+    room = largest_factor(question)
+    found = estimated_scale(question, np.random.default_rng(0), largest=room)
     assert found.at_bound
     assert found.factor == pytest.approx(expected or largest)
     assert max(tried) <= min(LARGEST_SCALE, largest) * (1 + 1e-12)

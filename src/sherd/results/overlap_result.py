@@ -177,13 +177,13 @@ class Overlap(FrozenState):
     def shared_of_first(self) -> float:
         """Share of the first shape's area that the second has too."""
         areas = self.first.vertex_areas
-        return float(areas @ self.first_to_second.matched / areas.sum())
+        return min(float(areas @ self.first_to_second.matched / areas.sum()), 1.0)  # rounding
 
     @property
     def shared_of_second(self) -> float:
         """Share of the second shape's area that the first has too."""
         areas = self.second.vertex_areas
-        return float(areas @ self.second_to_first.matched / areas.sum())
+        return min(float(areas @ self.second_to_first.matched / areas.sum()), 1.0)
 
     def there_and_back(self) -> tuple[Floats, Floats]:
         """Distance between each vertex and where its point is brought back to, in its shape's unit.

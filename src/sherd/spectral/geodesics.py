@@ -17,6 +17,10 @@ from sherd.spectral.intrinsic import intrinsic_delaunay
 
 __all__ = ["Geodesics"]
 
+# Nothing is nearer to a source than itself. On the tip of a spike the heat method may say so; by
+# more than two edges it has failed there, and paths are taken.
+BEHIND = 2.0
+
 
 class Geodesics:
     """Geodesic distances on a mesh by the heat method, one factorization for all questions.
@@ -50,6 +54,7 @@ class Geodesics:
         self._local[self._used] = np.arange(len(self._used))
         self._edges = _edge_graph(mesh)
         self._unit = mesh.length
+        self._edge = mesh.mean_edge_length
         self._triangles = intrinsic_delaunay(mesh.vertices / self._unit, mesh.faces)
         self._flow = heat_flow(self._triangles.renumbered(self._local), len(self._used))
         self.method = "edge paths" if self._flow is None else "heat"
@@ -94,8 +99,10 @@ class Geodesics:
             own = members[starts[row] : starts[row + 1]]
             reached = np.isin(self._labels, self._labels[own])
             found[~reached] = np.inf
-            if not np.isfinite(found[reached]).all():
-                found[:] = csgraph.dijkstra(self._edges, directed=False, indices=own, min_only=True)
+            behind = len(own) == 1 and found[reached].min(initial=0.0) < -BEHIND * self._edge
+            if behind or not np.isfinite(found[reached]).all():
+                found[:] = csgraph.dijkstra(self.paths, directed=False, indices=own, min_only=True)
+        np.maximum(distances, 0.0, out=distances)
         return distances
 
     def _checked(self, sources: ArrayLike) -> Ints:

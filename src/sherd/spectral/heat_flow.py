@@ -39,7 +39,8 @@ class HeatFlow:
     def distances(self, sources: Ints, starts: Ints) -> Floats:
         """Distance (s, n) to the nearest source of each set `sources[starts[i]:starts[i + 1]]`.
 
-        Meaningless on other components, and possibly not finite on damaged ones.
+        Meaningless on other components, and possibly not finite on damaged ones; below 0 where the
+        method takes a vertex for nearer than the source.
         """
         sets = len(starts) - 1
         result = np.empty((sets, len(self.heat.inverse)))

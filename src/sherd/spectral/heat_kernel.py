@@ -77,9 +77,7 @@ def heat_distances(rows, sources, starts, slopes, heat, poisson, result):
                 zero += flow[poisson.place[sources[entry]], row - first]
             zero /= max(starts[row + 1] - starts[row], 1)
             for vertex in range(count):
-                value = flow[poisson.place[vertex], row - first] - zero
-                # a comparison with NaN is false: it must stay visible
-                result[row, vertex] = 0.0 if value < 0.0 else value
+                result[row, vertex] = flow[poisson.place[vertex], row - first] - zero
 
 
 @compiled()
