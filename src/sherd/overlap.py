@@ -256,7 +256,7 @@ def _shared_map(
     """The answer for the vertices of `part` as the user counts; what was left out is unmatched."""
     surface = question.part
     at_own = surface.working.at_own_vertices
-    points = surface_points(question.full.own_finder, surface, place.deformation)
+    points = surface_points(question, question.full.own_finder, place.deformation)
     source, known = part.sources()
     matched = (at_own(place.shared.astype(np.float64)) >= HALF)[source] & known
     soft = at_own(smoothed(surface.mesh, place.shared))[source]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-import pytest
 
 from sherd.arrays import Singles
 from sherd.correspondence.labels.anchors import find_anchors, grown
@@ -37,9 +36,9 @@ def planted_similarity(planted, rng: np.random.Generator, *, lying: float = 0.0)
     return similarity.astype(np.float32)
 
 
-def problem_of(planted, *, lying: float = 0.0) -> Problem:
-    similarity = planted_similarity(planted, np.random.default_rng(1), lying=lying)
-    return labeling_problem(planted.question, similarity, np.random.default_rng(2))
+def problem_of(planted, *, lying: float = 0.0, draw: int = 1) -> Problem:
+    similarity = planted_similarity(planted, np.random.default_rng(draw), lying=lying)
+    return labeling_problem(planted.question, similarity, np.random.default_rng(draw + 1))
 
 
 def gaps(planted, labeling: Labeling) -> tuple[np.ndarray, np.ndarray]:
@@ -49,24 +48,27 @@ def gaps(planted, labeling: Labeling) -> tuple[np.ndarray, np.ndarray]:
     return apart, turn
 
 
-@pytest.mark.parametrize(
-    ("lying", "right"),
-    [
-        (0.0, 1.0),
-        pytest.param(
-            0.25, 0.97, marks=pytest.mark.xfail(reason="open: one node of cost 0.8", strict=False)
-        ),
-    ],
-)
-def test_a_planted_labeling_comes_back(planted, lying: float, right: float) -> None:
-    labeling = find_anchors(problem_of(planted, lying=lying))
+def test_a_planted_labeling_comes_back(planted) -> None:
+    labeling = find_anchors(problem_of(planted))
     apart, turn = gaps(planted, labeling)
-    assert (apart == 0).mean() >= right
-    between = planted.question.full.dense.between
-    ring = np.sort(between[planted.labels], axis=1)[:, 8]  # six to eight labels lie around one
-    assert (apart <= ring).all()  # at worst, though the blob is two long
+    assert (apart == 0).all()
     assert turn.max() < 0.2
     assert labeling.local_cost.max() < 0.5
+
+
+def test_a_planted_labeling_comes_back_where_a_quarter_lies(planted) -> None:
+    """Of 210 nodes one may be left beside its place: where all its neighbors lie, it has no say."""
+    right, wrong = [], []
+    for draw in range(1, 6):
+        labeling = find_anchors(problem_of(planted, lying=0.25, draw=draw))
+        apart, turn = gaps(planted, labeling)
+        right.append((apart == 0).mean())
+        wrong.append(((apart >= 0.04) | (turn >= 0.2) | (labeling.local_cost >= 0.5)).sum())
+        assert apart.max() < 0.06  # the second next label, though the blob is two long
+    assert min(right) >= 0.97
+    assert np.mean(right) >= 0.99
+    assert max(wrong) <= 2
+    assert np.mean(wrong) <= 1
 
 
 def test_rotations_are_read_between_the_grid_of_sixteen(planted) -> None:

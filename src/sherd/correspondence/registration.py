@@ -130,8 +130,7 @@ def registered_to_surface(
         if present is not None:
             confidence = confidence * present[queries]
         for _ in range(slides):
-            normals = vertex_normals(deformation.positions, part.mesh.faces)
-            points = full.finder.closest(deformation.positions, normals)
+            points = full.finder.closest(deformation.positions, _facing(question, deformation))
             foot = points.positions(full.mesh)
             up = points.interpolate(full.mesh, full.mesh.vertex_normals)
             up /= np.maximum(np.linalg.norm(up, axis=1, keepdims=True), 1e-12)
@@ -148,18 +147,29 @@ def registered_to_surface(
 
 
 def surface_points(
-    finder: SurfaceFinder, part: DescribedSurface, deformation: Deformation
+    question: Question, finder: SurfaceFinder, deformation: Deformation
 ) -> SurfacePoints:
     """The point of the surface that `finder` knows under each vertex of the part itself."""
-    positions = deformation.positions
-    normals = vertex_normals(positions, part.mesh.faces)
-    at_own = part.working.at_own_vertices
-    return finder.closest(at_own(positions), at_own(normals))
+    at_own = question.part.working.at_own_vertices
+    return finder.closest(at_own(deformation.positions), at_own(_facing(question, deformation)))
 
 
 def elastic_strain(part: DescribedSurface, deformation: Deformation) -> Floats:
     """Relative strain (n',) at each vertex: 0 where the part moved rigidly, 0.1 is ten percent."""
     return strains(part.elastic, deformation.positions, deformation.rotations)
+
+
+def _facing(question: Question, deformation: Deformation) -> Floats:
+    """Normals (n', 3) of the deformed part; at a pin that of the place it is pinned on.
+
+    A pin that its neighbors do not follow stands out as a spike, whose normal says nothing: the
+    closest point that faces the same way could be anywhere around.
+    """
+    full, pins = question.full, question.pins
+    normals = vertex_normals(deformation.positions, question.part.mesh.faces)
+    if len(pins.vertices):
+        normals[pins.vertices] = full.mesh.vertex_normals[full.vertex_tree.query(pins.positions)[1]]
+    return normals
 
 
 def _relaxed(

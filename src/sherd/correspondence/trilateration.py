@@ -36,6 +36,9 @@ def trilaterated_vertices(question: Question, labeling: Labeling) -> Ints:
     by_vertex = np.ascontiguousarray(distances.T)
     near = np.argpartition(by_vertex, count - 1, axis=1)[:, :count]
     length = np.take_along_axis(by_vertex, near, axis=1)
+    # the nearest first, those that are not reached last, which partitions need not give
+    order = np.argsort(length, axis=1, kind="stable")
+    near, length = (np.take_along_axis(each, order, axis=1) for each in (near, length))
     members = _members(labels.cells, len(labels))
     result = np.zeros(len(near), dtype=np.int64)
     over_rows(

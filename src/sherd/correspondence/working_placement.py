@@ -156,7 +156,7 @@ def _judged(question: Question, deformation: Deformation, look: Look) -> Working
     )
     return WorkingPlacement(
         deformation=deformation,
-        points=surface_points(full.own_finder, part, deformation),
+        points=surface_points(question, full.own_finder, deformation),
         mask=_covered(question, deformation),
         inside_spectra=look.full_spectra,
         similarity=similarity,

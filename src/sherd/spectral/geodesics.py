@@ -52,7 +52,6 @@ class Geodesics:
         self._used = np.unique(mesh.faces)
         self._local = np.full(self._count, -1, dtype=np.int64)
         self._local[self._used] = np.arange(len(self._used))
-        self._edges = _edge_graph(mesh)
         self._unit = mesh.length
         self._edge = mesh.mean_edge_length
         self._triangles = intrinsic_delaunay(mesh.vertices / self._unit, mesh.faces)
@@ -113,11 +112,3 @@ class Geodesics:
                 f"source vertex {indices[np.argmax(bad)]} is outside 0..{self._count - 1}"
             )
         return indices
-
-
-def _edge_graph(mesh: TriangleMesh) -> sparse.csr_array:
-    ends = mesh.vertices[mesh.edges]
-    # csgraph reads an explicit zero as no edge; coincident vertices stay joined
-    lengths = np.maximum(np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1), 1e-300)
-    shape = (mesh.vertex_count, mesh.vertex_count)
-    return sparse.csr_array((lengths, (mesh.edges[:, 0], mesh.edges[:, 1])), shape=shape)
