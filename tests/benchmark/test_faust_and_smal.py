@@ -11,16 +11,16 @@ import pytest
 from click.testing import CliRunner
 from scipy.spatial import cKDTree
 
-from sherd.benchmark import match_measurement
 from sherd.benchmark.datasets.faust import faust_pairs, faust_set
 from sherd.benchmark.datasets.landmark_truth import landmark_map
 from sherd.benchmark.datasets.pairs import BenchmarkSettings
 from sherd.benchmark.datasets.random_cuts import CUTS, random_cut
 from sherd.benchmark.datasets.smal import smal_pairs, smal_set
-from sherd.benchmark.match_benchmark import match_benchmark
-from sherd.benchmark.match_measurement import measured
-from sherd.benchmark.match_row import MatchRow
-from sherd.benchmark.match_summary import summary, summary_table
+from sherd.benchmark.match import measurement as match_measurement
+from sherd.benchmark.match.benchmark import match_benchmark
+from sherd.benchmark.match.measurement import measured
+from sherd.benchmark.match.row import MatchRow
+from sherd.benchmark.match.summary import summary, summary_table
 from sherd.cli.main import main
 from sherd.errors import InputError, MeshFileError, OptionError
 from sherd.files.mesh_files import write_mesh

@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 import trimesh
 
-from sherd.benchmark import match_benchmark as runner_of_match
 from sherd.benchmark.datasets.pairs import BenchmarkSettings
 from sherd.benchmark.datasets.shrec16 import shrec16_set
-from sherd.benchmark.match_benchmark import match_benchmark
-from sherd.benchmark.match_summary import summary_table
+from sherd.benchmark.match import benchmark as runner_of_match
+from sherd.benchmark.match.benchmark import match_benchmark
+from sherd.benchmark.match.summary import summary_table
 from sherd.benchmark.metrics import (
     cumulative_curve,
     region_overlap,

@@ -14,7 +14,8 @@ import click
 
 __all__ = ["prepare_first_run", "rehearse"]
 
-# Nobody waits for it: what it has compiled when it is needed is of use, the rest next time.
+# Nobody waits for it: what it has compiled when it is needed is of use, the rest next time. It is
+# kept here, as Python warns of processes that are forgotten while they run.
 _beside: list[subprocess.Popen[bytes]] = []
 
 
@@ -33,11 +34,13 @@ def prepare_first_run(*, quiet: bool) -> None:
             err=True,
         )
     if (os.cpu_count() or 1) > 1:
-        subprocess.Popen(
-            [sys.executable, "-c", "from sherd.cli.first_run import rehearse; rehearse()"],
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
+        _beside.append(
+            subprocess.Popen(
+                [sys.executable, "-c", "from sherd.cli.first_run import rehearse; rehearse()"],
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.DEVNULL,
+                stderr=subprocess.DEVNULL,
+            )
         )
 
 

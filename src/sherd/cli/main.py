@@ -29,7 +29,7 @@ COMMANDS = {
     ),
     "check": ("sherd.cli.checking", "check_command", "Say what is wrong with a mesh."),
     "demo": ("sherd.cli.demo", "demo_command", "See it work on a generated animal."),
-    "bench": ("sherd.cli.benching", "bench_group", "Measure accuracy and speed."),
+    "bench": ("sherd.cli.bench.commands", "bench_group", "Measure accuracy and speed."),
 }
 
 

@@ -16,10 +16,10 @@ from typing import Any
 
 from sherd._version import __version__
 from sherd.benchmark.datasets.pairs import BenchmarkSettings, PairSet, PairSource
-from sherd.benchmark.match_measurement import measured
-from sherd.benchmark.match_page import write_benchmark_page
-from sherd.benchmark.match_row import MatchRow
-from sherd.benchmark.match_summary import summary
+from sherd.benchmark.match.measurement import measured
+from sherd.benchmark.match.page import write_benchmark_page
+from sherd.benchmark.match.row import MatchRow
+from sherd.benchmark.match.summary import summary
 from sherd.benchmark.paper.drawing import check_plotting
 from sherd.benchmark.runner import measured_rows
 from sherd.output import write_text

@@ -14,8 +14,8 @@ from sherd.benchmark.datasets.faust import faust_set
 from sherd.benchmark.datasets.pairs import BenchmarkSettings, PairSet
 from sherd.benchmark.datasets.shrec16 import KINDS, shrec16_set
 from sherd.benchmark.datasets.smal import smal_set
-from sherd.benchmark.match_benchmark import match_benchmark
-from sherd.benchmark.match_summary import summary_table
+from sherd.benchmark.match.benchmark import match_benchmark
+from sherd.benchmark.match.summary import summary_table
 
 __all__ = ["faust_command", "shrec16_command", "smal_match_command"]
 

@@ -13,7 +13,7 @@ from scipy.stats import rankdata
 
 from sherd.arrays import Bools, Floats
 from sherd.benchmark.datasets.pairs import BenchmarkSettings, Pair, PairSource, seed_of
-from sherd.benchmark.match_row import REFUSED, MatchRow
+from sherd.benchmark.match.row import REFUSED, MatchRow
 from sherd.benchmark.metrics import cumulative_curve, region_overlap, vertex_mask
 from sherd.errors import InfeasibleError
 from sherd.files.mesh_files import read_mesh

@@ -10,8 +10,8 @@ import numpy as np
 
 from sherd._version import __version__
 from sherd.benchmark.datasets.pairs import PairSet
-from sherd.benchmark.match_measurement import BAD, THRESHOLDS
-from sherd.benchmark.match_row import MatchRow
+from sherd.benchmark.match.measurement import BAD, THRESHOLDS
+from sherd.benchmark.match.row import MatchRow
 
 __all__ = ["summary", "summary_table"]
 

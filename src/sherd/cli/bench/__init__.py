@@ -1,0 +1,1 @@
+"""sherd bench: one command per benchmark."""
