@@ -118,7 +118,7 @@ def test_answers_lie_on_the_surface_under_the_deformed_part(planted) -> None:
     full = question.full
     true = full.mesh.vertices[kept]
     lifted = Deformation(true + 0.004 * full.normals[kept], np.tile(np.eye(3), (len(kept), 1, 1)))
-    points = surface_points(full.own_finder, question.part, lifted)
+    points = surface_points(question, full.own_finder, lifted)
     assert errors(planted, points.positions(full.mesh)).max() < 0.004
     assert np.median(errors(planted, points.positions(full.mesh))) < 5e-4
 

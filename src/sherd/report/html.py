@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from sherd.drawing.exhibit import Exhibit, Verdict
-from sherd.drawing.picture import picture, png_bytes, stage
+from sherd.drawing.picture import Staging, picture, png_bytes, stage
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.output import write_text
 from sherd.report.payload import payload
@@ -32,7 +32,7 @@ PICTURE_WIDTH = 1400
 LONGEST_LIST = 20
 
 
-def page(exhibit: Exhibit, *, largest: int = LARGEST_SHOWN) -> str:
+def page(exhibit: Exhibit, *, largest: int = LARGEST_SHOWN, staging: Staging | None = None) -> str:
     """HTML of a report that needs nothing but itself.
 
     Parameters
@@ -41,6 +41,8 @@ def page(exhibit: Exhibit, *, largest: int = LARGEST_SHOWN) -> str:
         What to show.
     largest
         Shapes with more vertices than this are decimated for the 3D view, and the page says so.
+    staging
+        A camera chosen before.
 
     Returns
     -------
@@ -54,7 +56,7 @@ def page(exhibit: Exhibit, *, largest: int = LARGEST_SHOWN) -> str:
     1/65,000 of their range.
     """
     light = thinned(exhibit, largest=largest)
-    staging = stage(light.exhibit)
+    staging = staging or stage(light.exhibit)
     meta, data = payload(light, staging)
     image = picture(light.exhibit, width=PICTURE_WIDTH, heading=False, staging=staging)
     script = _asset("viewer.js")

@@ -6,7 +6,7 @@ import os
 from typing import Any
 
 from sherd.arrays import Floats
-from sherd.drawing.picture import picture, png_bytes
+from sherd.drawing.picture import picture, png_bytes, stage
 from sherd.errors import InputError
 from sherd.report.exports import exported
 from sherd.report.frame import Report
@@ -19,6 +19,7 @@ from sherd.result_folder import ResultFolder, kind_of, replaceable_files
 from sherd.results.locate_result import LocateResult
 from sherd.results.match_result import MatchResult
 from sherd.results.overlap_result import Overlap
+from sherd.threads import begun
 
 __all__ = ["report_of", "write_report"]
 
@@ -86,8 +87,10 @@ def write_report(
     with ResultFolder(folder, replaced=replaced) as output:
         for name, content in report.files.items():
             output.add(name, content)
-        output.add(report.picture_name, png_bytes(picture(report.exhibit)))
-        output.add("report.html", page(report.exhibit))
+        camera = stage(report.exhibit)
+        html = begun(lambda: page(report.exhibit, staging=camera))  # draws too: one core each
+        output.add(report.picture_name, png_bytes(picture(report.exhibit, staging=camera)))
+        output.add("report.html", html())
         for name, content in exported(report.exhibit, exports).items():
             output.add(name, content)
         return output.finish(document)

@@ -93,7 +93,7 @@ def proposed_anchors(
 
 def first_labeling(problem: Problem, *, step: float = SIMILARITY_STEP) -> Labeling:
     """The labeling with the most similar labels as candidates."""
-    similar, turn = _most_similar(problem)
+    similar, turn = problem.most_similar[:, :CANDIDATES], problem.turns
     return solve(problem, similar, _at(turn, similar), step=step)
 
 
@@ -119,7 +119,7 @@ def candidates_again(
 
     `also` (k, a) are further labels, with the rotations of most similarity.
     """
-    similar, turn = _most_similar(problem)
+    similar, turn = problem.most_similar[:, :CANDIDATES], problem.turns
     near = np.argsort(problem.nodes.between, axis=1, kind="stable")[:, 1 : 1 + NEAR_LABELS]
     proposed, proposed_turns = _proposals(problem, labeling)
     from_near = labeling.labels[near]
@@ -159,23 +159,6 @@ def grown(
     for _ in range(2):
         result = solve(problem, *_local_candidates(problem, result), step=step)
     return result
-
-
-def _most_similar(problem: Problem) -> tuple[Ints, Floats]:
-    """The candidates (k, c) of each node by similarity, and the best rotation of all (k, s)."""
-    similarity = problem.similarity
-    shifts = similarity.shape[2]
-    value = np.where(problem.forbidden, -2.0, similarity.max(axis=2))
-    order = np.argsort(-value, axis=1, kind="stable")[:, :CANDIDATES]
-    peak = similarity.argmax(axis=2)
-    grid = np.indices(peak.shape)
-    here = similarity[grid[0], grid[1], peak]
-    before = similarity[grid[0], grid[1], (peak - 1) % shifts]
-    after = similarity[grid[0], grid[1], (peak + 1) % shifts]
-    # vertex of the parabola through the three values around the peak
-    bend = np.minimum(before - 2 * here + after, -1e-6)
-    turn = (peak + 0.5 * (before - after) / bend) * 2 * np.pi / shifts
-    return order, turn.astype(np.float64)
 
 
 def _at(turn: Floats, labels: Ints) -> Floats:

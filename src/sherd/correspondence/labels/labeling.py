@@ -135,6 +135,27 @@ class Problem:
         return self.question.full.dense
 
     @cached_property
+    def peaks(self) -> Floats:
+        """(k, s) similarity of node and label at the best rotation."""
+        return np.asarray(self.similarity.max(axis=2))
+
+    @cached_property
+    def most_similar(self) -> Ints:
+        """(k, s) labels that are not forbidden, most similar first, then the others."""
+        return np.asarray(np.where(self.forbidden, 2.0, -self.peaks).argsort(1, kind="stable"))
+
+    @cached_property
+    def turns(self) -> Floats:
+        """(k, s) rotation of most similarity: the vertex of the parabola through three values."""
+        shifts = self.similarity.shape[2]
+        peak = self.similarity.argmax(axis=2)
+        rows, columns = np.indices(peak.shape)
+        before = self.similarity[rows, columns, (peak - 1) % shifts]
+        after = self.similarity[rows, columns, (peak + 1) % shifts]
+        bend = np.minimum(before - 2 * self.peaks + after, -1e-6)
+        return np.asarray((peak + 0.5 * (before - after) / bend) * 2 * np.pi / shifts)
+
+    @cached_property
     def node_depth(self) -> Floats:
         """(k,) distance of each node to the cut."""
         depth: Floats = self.question.part.cut_distance[self.nodes.vertices]
@@ -199,7 +220,7 @@ def unary_cost(problem: Problem, labels: Ints, rotations: Floats, step: float) -
     rows = np.arange(len(labels))[:, None]
     value = (1 - share) * similarity[rows, labels, below % shifts]
     value += share * similarity[rows, labels, (below + 1) % shifts]
-    lack = np.maximum(similarity.max(axis=(1, 2))[:, None] - value, 0.0) / step
+    lack = np.maximum(problem.peaks.max(axis=1)[:, None] - value, 0.0) / step
     cost = lack / (1.0 + lack / SIMILARITY_LIMIT)
     trust = np.clip(problem.node_depth / CUT_TRUST, CUT_LEAST, 1.0)
     cost *= UNARY_WEIGHT * trust[:, None]
