@@ -16,6 +16,8 @@ from sherd.correspondence.scale import (
     factors_that_fit,
     length_ratio,
 )
+from sherd.results.advice import Doubts, OverlapDoubts
+from sherd.results.status import Status
 from sherd.surface.described import DescribedSurface, Known
 from sherd.surface.samples import Samples
 from sherd.surface.transformed import enlarged
@@ -165,3 +167,14 @@ def test_what_fits_worse_is_no_rival(planted, monkeypatch) -> None:
     found = estimate(planted, own=1.1)
     assert found.factor == pytest.approx(0.4, rel=0.02)
     assert found.rival is None
+
+
+@pytest.mark.parametrize("doubts", [Doubts, OverlapDoubts])
+def test_a_rival_or_a_bound_is_said_and_is_never_good(doubts) -> None:
+    assert doubts().status is Status.GOOD
+    for found in (doubts(scale_rival=2.345678), doubts(scale_bound=2.345678)):
+        assert found.status is Status.DOUBTFUL
+        assert "2.346; give" in found.advice
+        assert "--scale FACTOR" in found.advice
+    assert "fits about as well at another scale" in doubts(scale_rival=2.0).advice
+    assert "stands at its bound" in doubts(scale_bound=2.0).advice

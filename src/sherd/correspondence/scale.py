@@ -74,7 +74,8 @@ SAME = ScaleEstimate(1.0)
 def factors_that_fit(question: Question) -> Floats:
     """Factors that make the part 0.01 to 1.3 times as large in area as the full shape."""
     size = np.sqrt(question.part.mesh.area / question.full.mesh.area)
-    return _equal_ratios(SMALLEST_SIZE, LARGEST_SIZE) / size
+    factors: Floats = _equal_ratios(SMALLEST_SIZE, LARGEST_SIZE) / size
+    return factors
 
 
 def factors_about_one() -> Floats:
