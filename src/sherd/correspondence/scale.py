@@ -40,7 +40,7 @@ REFINEMENTS = 2
 FEW_NODES = 70
 # Peaks of the score that are compared with all nodes: up to so many, as far as they are so near.
 FINALISTS, NEAR_PEAK = 3, 0.1
-# Of 18 parts in other poses 15 scored 0.06 and more higher at the true scale than at any other peak,
+# Of 18 parts in other poses 15 scored 0.06 and more higher at the true scale than at other peaks,
 # three small ones between -0.002 and 0.03: there nothing but the files tells which is right. The
 # bound was read off these 18, none was held out.
 UNSURE = 0.04
