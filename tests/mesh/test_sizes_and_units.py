@@ -49,10 +49,3 @@ def test_what_was_typed_is_not_proposed_again() -> None:
     with pytest.raises(InfeasibleError, match="multiplied by 10") as caught:
         check_sizes(FULL, part(70), factor=10.0, options=True)
     assert "would fit" not in str(caught.value)
-
-
-def test_an_unknown_scale_widens_both_ends() -> None:
-    for length in (2.2, 0.008):
-        check_sizes(FULL, part(length), largest_scale=2.0)
-        with pytest.raises(InfeasibleError):
-            check_sizes(FULL, part(length))

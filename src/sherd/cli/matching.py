@@ -51,8 +51,8 @@ FILE = click.Path(path_type=Path)
     metavar=f"[{'|'.join(SCALES)}|FACTOR]",
     default="same",
     show_default=True,
-    help="Unknown: the part's scale is estimated within half and twice that of FULL. A number: "
-    "lengths of PART are multiplied by it.",
+    help="Unknown: the part's scale is estimated, whatever its unit; it may have 0.01 to 1.3 times "
+    "the area of FULL. A number: lengths of PART are multiplied by it.",
 )
 @click.option("--part-unit", type=click.Choice(UNITS), help="Unit of PART; with --full-unit.")
 @click.option("--full-unit", type=click.Choice(UNITS), help="Unit of FULL; with --part-unit.")

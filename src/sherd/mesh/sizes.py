@@ -8,7 +8,7 @@ from sherd.errors import InfeasibleError
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.mesh.units import unit_proposal
 
-__all__ = ["LARGEST_PART", "SMALLEST_PART", "check_sizes"]
+__all__ = ["LARGEST_PART", "SMALLEST_PART", "check_areas", "check_sizes"]
 
 # In area. A part is not larger than the whole, but skin stretches with the pose, by some percent
 # over a body, and individuals differ: of bodies brought to the same height, areas by a fifth. What
@@ -19,12 +19,27 @@ LARGEST_PART = 1.3
 SMALLEST_PART = 1e-4
 
 
+def check_areas(*meshes: TriangleMesh) -> None:
+    """Refuse shapes without area.
+
+    Raises
+    ------
+    InfeasibleError
+        If a shape has no area, or one that is not finite.
+    """
+    for mesh in meshes:
+        if not (np.isfinite(mesh.area) and mesh.area > 0):
+            raise InfeasibleError(
+                f"{mesh.name}: the surface has area {mesh.area}, so nothing can be matched; "
+                "its faces are degenerate or its coordinates too small"
+            )
+
+
 def check_sizes(
     full: TriangleMesh,
     part: TriangleMesh,
     *,
     factor: float = 1.0,
-    largest_scale: float = 1.0,
     options: bool = False,
 ) -> None:
     """Refuse a part that cannot lie on the full shape by its size.
@@ -34,10 +49,7 @@ def check_sizes(
     full, part
         In their own units.
     factor
-        What lengths of the part are multiplied by, as far as that is known.
-    largest_scale
-        How many times the part may be enlarged or shrunk beyond; above 1 where its scale is
-        unknown.
+        What lengths of the part are multiplied by.
     options
         Whether the question has options for scale and units, which the message then proposes.
 
@@ -47,20 +59,13 @@ def check_sizes(
         If a shape has no area, or the part is more than 1.3 times as large as the full shape, or
         a dot on it. The message names units that would explain it.
     """
-    for mesh in (full, part):
-        if not (np.isfinite(mesh.area) and mesh.area > 0):
-            raise InfeasibleError(
-                f"{mesh.name}: the surface has area {mesh.area}, so nothing can be matched; "
-                "its faces are degenerate or its coordinates too small"
-            )
+    check_areas(full, part)
     ratio = part.area * factor**2 / full.area
-    if SMALLEST_PART / largest_scale**2 <= ratio <= LARGEST_PART * largest_scale**2:
+    if SMALLEST_PART <= ratio <= LARGEST_PART:
         return
     said = f"{part.name} has {ratio:.4g} times the area of {full.name}"
     if factor != 1.0:
         said += f" once its lengths are multiplied by {factor:.6g}"
-    if largest_scale != 1.0:
-        said += f", and an unknown scale is sought up to {largest_scale:g} times more or less"
     if ratio > 1:
         said += (
             f", but a part is at most {LARGEST_PART} times as large as the full shape; are the two "

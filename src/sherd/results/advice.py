@@ -13,6 +13,7 @@ NAMED = 5
 # Calibrated chances: what is called good is right in two cases of three at the least, and what is
 # said not to belong in one case of ten at the most.
 SURE, FOREIGN = 0.65, 0.1
+FACTOR = "a factor (scale=FACTOR, --scale FACTOR)"
 UNLIKE = (
     "the part fits the full shape hardly better than another shape would; look at the "
     "alternatives, give the scale if you know it, or give landmarks"
@@ -60,6 +61,8 @@ class Doubts:
         Whether the scale was estimated.
     scale_bound
         The scale, if it stands at its bound.
+    scale_rival
+        Another scale at which it fits about as well, if there is one.
     unfollowed
         Landmarks that were not followed or contradict each other.
     units
@@ -78,6 +81,7 @@ class Doubts:
     unlike: bool = False
     scale_unknown: bool = False
     scale_bound: float | None = None
+    scale_rival: float | None = None
     unfollowed: tuple[UnfollowedLandmark, ...] = ()
     units: str = ""
 
@@ -93,6 +97,7 @@ class Doubts:
             or self.unchecked
             or self.unlike
             or self.scale_bound is not None
+            or self.scale_rival is not None
             or self.unfollowed
         )
         return Status.DOUBTFUL if doubtful else Status.GOOD
@@ -104,21 +109,22 @@ class Doubts:
             return Status.GOOD.advice
         said = self._said_of_fit()
         if self.unlike and not said:
-            plain = self.scale_bound is None and not self.unfollowed and not self.units
+            plain = not self._said_of_scale() and not self.unfollowed and not self.units
             if plain and not self.scale_unknown:
                 return Status.DOUBTFUL.advice
             said = [UNLIKE]
-        if self.scale_bound is not None:
-            said.append(
-                f"the scale stands at its bound, {self.scale_bound:.4g}; give the units of both "
-                "shapes or a factor (scale=FACTOR, --scale FACTOR)"
-            )
+        said += self._said_of_scale()
         if self.unfollowed:
             said.append(_said_of_landmarks(self.unfollowed))
         if self.units:
             said.append(self.units)
         words = "does not belong here" if self.status is Status.FOREIGN else "doubtful"
         return f"{words}: {'; '.join(said)}"
+
+    def _said_of_scale(self) -> list[str]:
+        return _said_of_scale(
+            self.scale_bound, self.scale_rival, f"the units of both shapes or {FACTOR}"
+        )
 
     def _said_of_fit(self) -> list[str]:
         said = []
@@ -162,6 +168,8 @@ class OverlapDoubts:
         Whether the answer passes the check that is re-derived from the meshes.
     scale_bound
         The scale, if it stands at its bound.
+    scale_rival
+        Another scale at which it fits about as well, if there is one.
     unfollowed
         Landmarks that were not followed.
     """
@@ -170,6 +178,7 @@ class OverlapDoubts:
     shared: bool = True
     checked: bool = True
     scale_bound: float | None = None
+    scale_rival: float | None = None
     unfollowed: tuple[UnfollowedLandmark, ...] = ()
 
     @property
@@ -181,6 +190,7 @@ class OverlapDoubts:
             self.chance < SURE
             or not self.checked
             or self.scale_bound is not None
+            or self.scale_rival is not None
             or self.unfollowed
         )
         return Status.DOUBTFUL if doubtful else Status.GOOD
@@ -200,15 +210,20 @@ class OverlapDoubts:
             )
         if not self.checked:
             said.append("areas, or there and back, do not agree; look at both shapes in the report")
-        if self.scale_bound is not None:
-            said.append(
-                f"the scale stands at its bound, {self.scale_bound:.4g}; give a factor "
-                "(scale=FACTOR, --scale FACTOR)"
-            )
+        said += _said_of_scale(self.scale_bound, self.scale_rival, FACTOR)
         if self.unfollowed:
             said.append(_said_of_landmarks(self.unfollowed))
         words = "does not belong" if self.status is Status.FOREIGN else "doubtful"
         return f"{words}: {'; '.join(said)}"
+
+
+def _said_of_scale(bound: float | None, rival: float | None, give: str) -> list[str]:
+    said = []
+    if bound is not None:
+        said.append(f"the scale stands at its bound, {bound:.4g}; give {give}")
+    if rival is not None:
+        said.append(f"the part fits about as well at another scale, {rival:.4g}; give {give}")
+    return said
 
 
 def _said_of_landmarks(landmarks: tuple[UnfollowedLandmark, ...]) -> str:

@@ -30,8 +30,9 @@ class MatchOptions:
     Parameters
     ----------
     scale
-        ``"same"``: both shapes have the same unit; ``"unknown"``: the part's scale is estimated
-        within [1/2, 2] of the full shape's; a number: lengths of the part are multiplied by it.
+        ``"same"``: both shapes have the same unit; ``"unknown"``: the part's scale is estimated,
+        such that it has 0.01 to 1.3 times the area of the full shape; a number: lengths of the part
+        are multiplied by it.
     landmarks
         Pairs (vertex of the part, vertex of the full shape) that belong together.
     ignore
@@ -44,7 +45,7 @@ class MatchOptions:
         Seed of every random choice.
     part_unit, full_unit
         Units of the two shapes, ``"mm"``, ``"cm"``, ``"m"``, ``"in"`` or ``"ft"``: both or none.
-        With ``scale="unknown"`` the scale is estimated after the part is converted.
+        With ``scale="unknown"``, of two scales that fit about as well, the nearer to them is taken.
 
     Raises
     ------
