@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any
 from sherd._version import __version__
 
 if TYPE_CHECKING:
+    from sherd.assemble import assemble
     from sherd.energy.convergence import Convergence
     from sherd.errors import (
         InfeasibleError,
@@ -41,6 +42,8 @@ if TYPE_CHECKING:
     from sherd.report.notebook import plot, show
     from sherd.report.stored.stored_match import read_match
     from sherd.report.write import write_report
+    from sherd.results.assemble_options import AssembleOptions
+    from sherd.results.assembly import Assembly
     from sherd.results.locate_options import LocateOptions
     from sherd.results.locate_result import LocateResult
     from sherd.results.match_options import MatchOptions
@@ -54,6 +57,8 @@ if TYPE_CHECKING:
 
 # Where each public name lives. Names are loaded when first used, so `import sherd` stays light.
 _HOMES = {
+    "AssembleOptions": "sherd.results.assemble_options",
+    "Assembly": "sherd.results.assembly",
     "Convergence": "sherd.energy.convergence",
     "InfeasibleError": "sherd.errors",
     "InputError": "sherd.errors",
@@ -76,6 +81,7 @@ _HOMES = {
     "SurfacePoints": "sherd.mesh.surface_points",
     "Template": "sherd.surface.template",
     "TriangleMesh": "sherd.mesh.triangle_mesh",
+    "assemble": "sherd.assemble",
     "inspect": "sherd.repair.inspection",
     "locate": "sherd.locate",
     "match": "sherd.match",
@@ -92,6 +98,8 @@ _HOMES = {
 }
 
 __all__ = [
+    "AssembleOptions",
+    "Assembly",
     "Convergence",
     "InfeasibleError",
     "InputError",
@@ -115,6 +123,7 @@ __all__ = [
     "Template",
     "TriangleMesh",
     "__version__",
+    "assemble",
     "inspect",
     "locate",
     "match",

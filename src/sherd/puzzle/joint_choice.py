@@ -1,0 +1,159 @@
+"""Which placement of each piece, or none: all pieces decided together.
+
+    E(c) = sum_i area(R_i) (2 (1 - p_i) - 1) + kappa sum_{i < j} area(core R_i and core R_j)
+
+over the choice c of one candidate, with region R_i and chance p_i to be right, or none for each
+piece. It is the multi-phase Mumford-Shah energy
+
+    E(u) = sum_i integral u_i 2 (1 - p_i) + integral u_0 + ...,    u_0 + u_1 + ... + u_k = 1
+
+for memberships that are constant on the candidates' regions: the gap has price 1, a wrong piece
+costs 2, so what is rather wrong than right is left out, and a place that is used twice is paid for.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import sparse
+from scipy.sparse import csgraph
+
+from sherd.arrays import Bools, Floats, Ints
+
+__all__ = ["Candidate", "Choice", "joint_choice", "shared_areas"]
+
+# Price of area that two pieces claim. Above 1, so that a sure piece that lies wholly where a surer
+# one lies is refused; not far above, so that two sure scans may share two thirds of one.
+KAPPA = 1.25
+# Nodes of the search; puzzles of a dozen pieces need some hundreds. Beyond it the best choice that
+# was found stands.
+MOST_NODES = 200_000
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """One place where a piece may lie.
+
+    Attributes
+    ----------
+    region
+        (n,) bool, the vertices of the full shape that it covers.
+    core
+        (n,) bool, those of them that are not near its border: what it surely claims.
+    chance
+        That the piece belongs there.
+    """
+
+    region: Bools
+    core: Bools
+    chance: float
+
+
+@dataclass(frozen=True)
+class Choice:
+    """One candidate for each piece.
+
+    Attributes
+    ----------
+    candidates
+        (k,) number of each piece's candidate, -1 for none.
+    energy
+        Of the choice; 0 is that of none at all.
+    proven
+        Whether no choice is better; False if the search was broken off.
+    """
+
+    candidates: Ints
+    energy: float
+    proven: bool
+
+
+def joint_choice(
+    pieces: Sequence[Sequence[Candidate]], areas: Floats, *, may_overlap: bool = False
+) -> Choice:
+    """The choice of least energy; see the module.
+
+    Parameters
+    ----------
+    pieces
+        Candidates of each piece.
+    areas
+        (n,) of the vertices of the full shape.
+    may_overlap
+        Whether a place may be used twice at no price.
+
+    Notes
+    -----
+    Branch and bound, piece after piece by descending gain, in groups that share places: exact.
+    """
+    flat = [(k, c) for k, some in enumerate(pieces) for c in range(len(some))]
+    owner = np.array([k for k, _ in flat], dtype=np.int64)
+    gain = np.array(
+        [float(areas @ pieces[k][c].region) * (2 * pieces[k][c].chance - 1) for k, c in flat]
+    )
+    cost = np.zeros((len(flat), len(flat)))
+    if not may_overlap and flat:
+        cost = KAPPA * shared_areas([pieces[k][c].core for k, c in flat], areas)
+        cost[owner[:, None] == owner[None, :]] = 0.0
+    chosen = np.full(len(pieces), -1, dtype=np.int64)
+    energy, proven = 0.0, True
+    for group in _groups(owner, cost, len(pieces)):
+        search = _Search(group, owner, gain, cost)
+        energy -= search.best_gain
+        proven = proven and not search.broken_off
+        for number in search.best:
+            chosen[owner[number]] = flat[number][1]
+    return Choice(chosen, energy, proven)
+
+
+def shared_areas(masks: Sequence[Bools], areas: Floats) -> Floats:
+    """(c, c) area that each two of the masks (n,) have in common."""
+    table = np.array(masks, dtype=np.float64).reshape(len(masks), len(areas))
+    shared: Floats = (table * areas) @ table.T
+    return shared
+
+
+def _groups(owner: Ints, cost: Floats, count: int) -> list[Ints]:
+    """Pieces in groups; candidates of different groups share nothing."""
+    first, second = np.nonzero(cost > 0)
+    links = sparse.coo_array(
+        (np.ones(len(first)), (owner[first], owner[second])), shape=(count, count)
+    )
+    number, labels = csgraph.connected_components(links.tocsr(), directed=False)
+    return [np.flatnonzero(labels == group) for group in range(number)]
+
+
+class _Search:
+    """Depth first through the pieces of one group, with the sum of best gains as the bound."""
+
+    def __init__(self, group: Ints, owner: Ints, gain: Floats, cost: Floats) -> None:
+        options = [np.flatnonzero((owner == piece) & (gain > 0)) for piece in group]
+        options = [some[np.argsort(-gain[some], kind="stable")] for some in options if len(some)]
+        self._options = sorted(options, key=lambda some: -gain[some[0]])
+        tops = [gain[some[0]] for some in self._options]
+        self._rest = np.append(np.cumsum(tops[::-1])[::-1], 0.0)
+        self._gain, self._cost = gain, cost
+        self._nodes = 0
+        self.best: list[int] = []
+        self.best_gain = 0.0
+        self._descend(0, [], 0.0)
+
+    @property
+    def broken_off(self) -> bool:
+        """Whether the search reached its limit."""
+        return self._nodes >= MOST_NODES
+
+    def _descend(self, depth: int, taken: list[int], total: float) -> None:
+        self._nodes += 1
+        if total > self.best_gain:
+            self.best, self.best_gain = list(taken), total
+        if depth == len(self._options) or self.broken_off:
+            return
+        if total + self._rest[depth] <= self.best_gain:
+            return
+        for number in self._options[depth].tolist():
+            step = float(self._gain[number] - self._cost[number, taken].sum())
+            self._descend(depth + 1, [*taken, number], total + step)
+        self._descend(depth + 1, taken, total)
