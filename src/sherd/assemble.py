@@ -99,7 +99,7 @@ def assemble(
     partition = Partition(template.placed)
     asked = MatchOptions(side=options.side, seed=options.seed)
     trials, impossible = trials_alone(template, intakes, asked, stages, partition)
-    trials += trials_again(template, trials, stages, partition)
+    trials += trials_again(template, trials, len(intakes), stages, may_overlap=options.may_overlap)
     with stages("joint choice"):
         choice = joint_choice(
             candidates_of(trials, len(intakes)),

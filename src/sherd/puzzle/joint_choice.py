@@ -1,14 +1,18 @@
 """Which placement of each piece, or none: all pieces decided together.
 
-    E(c) = sum_i area(R_i) (2 (1 - p_i) - 1) + kappa sum_{i < j} area(core R_i and core R_j)
+    E(c) = sum_i area(R_i) (p_0 - p_i) / (1 - p_0)
+           + omega (sum_i |border R_i| - sum_{i < j} |border R_i and border R_j facing|)
+           + kappa sum_{i < j} area(core R_i and core R_j)
 
 over the choice c of one candidate, with region R_i and chance p_i to be right, or none for each
 piece. It is the multi-phase Mumford-Shah energy
 
-    E(u) = sum_i integral u_i 2 (1 - p_i) + integral u_0 + ...,    u_0 + u_1 + ... + u_k = 1
+    E(u) = sum_i integral u_i f_i + (omega / 2) sum_i Per(u_i),    u_0 + u_1 + ... + u_k = 1
 
-for memberships that are constant on the candidates' regions: the gap has price 1, a wrong piece
-costs 2, so what is rather wrong than right is left out, and a place that is used twice is paid for.
+for memberships that are constant on the candidates' regions and a gap, i = 0, at no price: what is
+no more likely to be right than p_0 is left out; a border against the gap is paid for, one that two
+pieces share only once, so a piece that fills a hole costs none; and a place that is used twice,
+where memberships cannot sum to 1, is paid for dearly.
 """
 
 from __future__ import annotations
@@ -21,12 +25,19 @@ from scipy import sparse
 from scipy.sparse import csgraph
 
 from sherd.arrays import Bools, Floats, Ints
+from sherd.puzzle.border import Border, facing_lengths
 
 __all__ = ["Candidate", "Choice", "joint_choice", "shared_areas"]
 
 # Price of area that two pieces claim. Above 1, so that a sure piece that lies wholly where a surer
 # one lies is refused; not far above, so that two sure scans may share two thirds of one.
 KAPPA = 1.25
+# What a piece alone must reach for a place: of all placements whose chance is below, more are wrong
+# than right.
+LEAST_CHANCE = 0.2
+# Price of border against the gap, in sqrt(area): a piece of 2 % of the area that touches no other
+# must be 0.8 sure, one of a tenth 0.4.
+OMEGA = 0.03
 # Nodes of the search; puzzles of a dozen pieces need some hundreds. Beyond it the best choice that
 # was found stands.
 MOST_NODES = 200_000
@@ -44,11 +55,14 @@ class Candidate:
         (n,) bool, those of them that are not near its border: what it surely claims.
     chance
         That the piece belongs there.
+    border
+        Its border on the full shape, at unit scale.
     """
 
     region: Bools
     core: Bools
     chance: float
+    border: Border
 
 
 @dataclass(frozen=True)
@@ -90,12 +104,13 @@ def joint_choice(
     """
     flat = [(k, c) for k, some in enumerate(pieces) for c in range(len(some))]
     owner = np.array([k for k, _ in flat], dtype=np.int64)
-    gain = np.array(
-        [float(areas @ pieces[k][c].region) * (2 * pieces[k][c].chance - 1) for k, c in flat]
-    )
+    some = [pieces[k][c] for k, c in flat]
+    gain = np.array([_gain(each, areas) for each in some])
     cost = np.zeros((len(flat), len(flat)))
-    if not may_overlap and flat:
-        cost = KAPPA * shared_areas([pieces[k][c].core for k, c in flat], areas)
+    if some:
+        cost -= OMEGA * facing_lengths([each.border for each in some])
+        if not may_overlap:
+            cost += KAPPA * shared_areas([each.core for each in some], areas)
         cost[owner[:, None] == owner[None, :]] = 0.0
     chosen = np.full(len(pieces), -1, dtype=np.int64)
     energy, proven = 0.0, True
@@ -108,6 +123,12 @@ def joint_choice(
     return Choice(chosen, energy, proven)
 
 
+def _gain(candidate: Candidate, areas: Floats) -> float:
+    """What is gained by a candidate alone."""
+    sure = (candidate.chance - LEAST_CHANCE) / (1 - LEAST_CHANCE)
+    return float(areas @ candidate.region) * sure - OMEGA * candidate.border.length
+
+
 def shared_areas(masks: Sequence[Bools], areas: Floats) -> Floats:
     """(c, c) area that each two of the masks (n,) have in common."""
     table = np.array(masks, dtype=np.float64).reshape(len(masks), len(areas))
@@ -117,7 +138,7 @@ def shared_areas(masks: Sequence[Bools], areas: Floats) -> Floats:
 
 def _groups(owner: Ints, cost: Floats, count: int) -> list[Ints]:
     """Pieces in groups; candidates of different groups share nothing."""
-    first, second = np.nonzero(cost > 0)
+    first, second = np.nonzero(cost)
     links = sparse.coo_array(
         (np.ones(len(first)), (owner[first], owner[second])), shape=(count, count)
     )
@@ -129,10 +150,16 @@ class _Search:
     """Depth first through the pieces of one group, with the sum of best gains as the bound."""
 
     def __init__(self, group: Ints, owner: Ints, gain: Floats, cost: Floats) -> None:
-        options = [np.flatnonzero((owner == piece) & (gain > 0)) for piece in group]
-        options = [some[np.argsort(-gain[some], kind="stable")] for some in options if len(some)]
-        self._options = sorted(options, key=lambda some: -gain[some[0]])
-        tops = [gain[some[0]] for some in self._options]
+        # at best a candidate has all the borders that it can share with the others' best
+        reward = np.maximum(-cost, 0.0)
+        of_piece = [np.flatnonzero(owner == piece) for piece in group]
+        most = gain + sum(
+            (reward[:, some].max(axis=1) for some in of_piece if len(some)), np.zeros(len(gain))
+        )
+        options = [some[most[some] > 0] for some in of_piece]
+        options = [some[np.argsort(-most[some], kind="stable")] for some in options if len(some)]
+        self._options = sorted(options, key=lambda some: -most[some[0]])
+        tops = [most[some[0]] for some in self._options]
         self._rest = np.append(np.cumsum(tops[::-1])[::-1], 0.0)
         self._gain, self._cost = gain, cost
         self._nodes = 0

@@ -13,7 +13,8 @@ from sherd.errors import InfeasibleError
 from sherd.match import PlacedPart, placed_part
 from sherd.mesh.sides import bulge
 from sherd.output import Stages
-from sherd.puzzle.joint_choice import Candidate, Choice, shared_areas
+from sherd.puzzle.border import border_of
+from sherd.puzzle.joint_choice import Candidate, Choice, joint_choice, shared_areas
 from sherd.puzzle.partition import Partition
 from sherd.results.advice import SURE
 from sherd.results.match_options import MatchOptions
@@ -59,7 +60,8 @@ class Trial:
     def candidate(self) -> Candidate:
         """Its region, the core of it, and the chance."""
         region = self.placed.best.mask
-        return Candidate(region, self.partition.core(region, MARGIN), self.chance)
+        border = border_of(self.placed.question.part.mesh, self.placed.best.deformation.positions)
+        return Candidate(region, self.partition.core(region, MARGIN), self.chance, border)
 
 
 def trials_alone(
@@ -85,38 +87,47 @@ def trials_alone(
 def trials_again(
     template: Template,
     trials: Sequence[Trial],
+    count: int,
     stages: Stages,
-    partition: Partition,
+    *,
+    may_overlap: bool = False,
 ) -> list[Trial]:
-    """Further trials of pieces that clash or are in doubt, where no other piece lies.
+    """Further trials of the pieces that lose their places or are in doubt, where no other lies.
 
-    The places of pieces that are sure, and of those that it clashes with, are taken for a piece.
-    Large ones come first, so that what they leave is known when small ones are tried.
+    Large ones come first; what is chosen jointly of all trials so far is taken for the next piece.
+
+    Parameters
+    ----------
+    template, stages
+        As in :func:`trials_alone`.
+    trials
+        What that found.
+    count
+        Number of pieces.
+    may_overlap
+        As in :func:`sherd.puzzle.joint_choice.joint_choice`.
     """
     areas = template.placed.vertex_areas
-    first: dict[int, Trial] = {}
+    known = list(trials)
+    alone: dict[int, Trial] = {}
     for trial in trials:
-        first.setdefault(trial.piece, trial)
-    against = clashes(list(first.values()), areas)
-    sure = {k for k, trial in first.items() if trial.chance >= SURE and not against.get(k)}
-    found: list[Trial] = []
-    order = sorted(first.values(), key=lambda trial: -float(areas @ trial.candidate.region))
-    for trial in order:
-        clashing = against.get(trial.piece, set())
-        if not clashing and trial.chance >= SURE:
+        alone.setdefault(trial.piece, trial)
+    for first in sorted(alone.values(), key=lambda each: -float(areas @ each.candidate.region)):
+        choice = joint_choice(candidates_of(known, count), areas, may_overlap=may_overlap)
+        chosen = chosen_trials(known, choice)
+        own = chosen.pop(first.piece, None)
+        if own is not None and own.chance >= SURE:
             continue
-        others = (sure | clashing) - {trial.piece}
         taken: Bools = np.zeros(len(areas), dtype=bool)
-        for other in others:
-            taken |= first[other].candidate.core
+        for other in chosen.values():
+            taken |= other.candidate.core
         if not taken.any() or taken.all():
             continue
-        old = trial.placed
-        placed = placed_part(
-            template, old.part, old.options, stages, free=_on_mesh(template, ~taken), twin=False
-        )
-        found += _as_trials(trial.piece, placed, partition)
-    return found
+        old = first.placed
+        free = _on_mesh(template, ~taken)
+        placed = placed_part(template, old.part, old.options, stages, free=free, twin=False)
+        known += _as_trials(first.piece, placed, first.partition)
+    return known[len(trials) :]
 
 
 def candidates_of(trials: Sequence[Trial], count: int) -> list[list[Candidate]]:

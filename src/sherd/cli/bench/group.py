@@ -13,8 +13,8 @@ from sherd.benchmark.region import region_benchmark, region_table
 from sherd.benchmark.robustness import RobustnessRow, robustness, robustness_commands
 from sherd.benchmark.size import SIZES, size_benchmark, size_table
 from sherd.benchmark.speed import WORKS, speed_benchmark, speed_table
-from sherd.cli.bench_match import faust_command, shrec16_command, smal_match_command
-from sherd.cli.bench_overlap import (
+from sherd.cli.bench.match import faust_command, shrec16_command, smal_match_command
+from sherd.cli.bench.overlap import (
     belonging_command,
     cp2p_command,
     singleview_command,

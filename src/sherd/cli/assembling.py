@@ -1,0 +1,133 @@
+"""`sherd assemble`."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import click
+
+from sherd.assemble import assemble
+from sherd.cli.exits import NOT_CONVERGED
+from sherd.cli.first_run import prepare_first_run
+from sherd.cli.inputs import check_piece_outputs, command_line, show_piece_notices, stored_template
+from sherd.cli.options import overwrite_option, quiet_option
+from sherd.limits import require_seed
+from sherd.output import Stages
+from sherd.report.write import write_report
+from sherd.results.assemble_options import TOLERANCE, AssembleOptions
+from sherd.results.assembly import Assembly
+from sherd.results.status import Status
+from sherd.scan.either_side import SIDES, Side
+from sherd.scan.intake import scan_intake
+
+__all__ = ["assemble_command", "assembly_summary"]
+
+FILE = click.Path(path_type=Path)
+
+
+@click.command("assemble")
+@click.argument("full", type=FILE)
+@click.argument("pieces", type=FILE, nargs=-1, required=True)
+@click.option("-o", "--output", type=FILE, required=True, help="Folder.")
+@click.option(
+    "--may-overlap",
+    is_flag=True,
+    help="Pieces may lie on each other without limit, as scans of one region do.",
+)
+@click.option("--rigid", is_flag=True, help="Pieces may only be turned and shifted.")
+@click.option(
+    "--tolerance",
+    type=float,
+    default=TOLERANCE,
+    show_default=True,
+    help="For rigid pieces: what is farther off is worn; in sqrt(area) of FULL.",
+)
+@click.option(
+    "--template",
+    type=FILE,
+    help="File (.npz) that keeps what depends on FULL alone: made if missing, used if there.",
+)
+@click.option(
+    "--side",
+    type=click.Choice(SIDES),
+    default="either",
+    show_default=True,
+    help="Given: the faces of all pieces look outward.",
+)
+@click.option("--seed", type=int, default=0, show_default=True)
+@overwrite_option
+@click.option("--json", "as_json", is_flag=True, help="Print result.json on standard output.")
+@quiet_option()
+def assemble_command(  # noqa: PLR0913 - one for each word that can be typed
+    full: Path,
+    pieces: tuple[Path, ...],
+    output: Path,
+    *,
+    may_overlap: bool,
+    rigid: bool,
+    tolerance: float,
+    template: Path | None,
+    side: Side,
+    seed: int,
+    overwrite: bool,
+    as_json: bool,
+    quiet: bool,
+) -> int:
+    """Place all PIECES on the mesh FULL together: what belongs where, what is missing or foreign.
+
+    Writes labels.csv, piece_K/correspondence.csv for each placed piece, from 0 in the order given,
+    full.ply and piece_K/part.ply in the colors of the pieces, assembly.png, report.html and
+    result.json to the output folder. Exit code 4 if a placed piece is in doubt or none has a place.
+
+    \b
+    Examples:
+      sherd assemble template.ply piece*.ply -o out/
+      sherd assemble vase.ply sherd*.ply -o out/ --rigid
+      sherd assemble template.ply scan1.ply scan2.ply -o out/ --may-overlap
+    """  # noqa: D301
+    require_seed(seed)
+    options = AssembleOptions(
+        may_overlap=may_overlap, rigid=rigid, tolerance=tolerance, side=side, seed=seed
+    )
+    check_piece_outputs(output, full, pieces, overwrite=overwrite, template=template)
+    prepare_first_run(quiet=quiet)
+    stages = Stages(visible=False if quiet else None)
+    intakes = [scan_intake(piece) for piece in pieces]
+    described = stored_template(template, full, quiet=quiet)
+    result = assemble(described, intakes, options, stages=stages)
+    with stages("files"):
+        document = write_report(
+            result,
+            output,
+            command=command_line(),
+            overwrite=True,  # check_piece_outputs has asked
+        )
+    stages.close()
+    show_piece_notices(result, quiet=quiet)
+    if as_json:
+        click.echo(json.dumps(document, indent=2))
+    elif not quiet:
+        click.echo(assembly_summary(result, output))
+    return 0 if document["status"] == Status.GOOD.name.lower() else NOT_CONVERGED
+
+
+def assembly_summary(result: Assembly, output: Path) -> str:
+    """The answer in a few lines for the terminal."""
+    lines = [_piece_line(result, piece) for piece in range(len(result.pieces))]
+    lines.append(f"{100 * result.gap_share:.1f} % of the full shape is covered by no piece.")
+    lines.append(f"Open {output / 'report.html'} to see it; numbers are in {output}.")
+    return "\n".join(lines)
+
+
+def _piece_line(result: Assembly, number: int) -> str:
+    piece = result.pieces[number]
+    if not piece.placed:
+        return f"{number} {piece.part.name}: refused; {piece.reason}."
+    share = float(result.full.vertex_areas @ (result.labels == number)) / result.full.area
+    said = f"{number} {piece.part.name}: {100 * share:.1f} % of the full shape"
+    doubt: Any = piece.match
+    if doubt is not None and doubt.status is not Status.GOOD:
+        return f"{said}; {piece.reason}"
+    return f"{said}, chance {piece.chance:.2f}"

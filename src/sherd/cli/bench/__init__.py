@@ -1,0 +1,1 @@
+"""`sherd bench` and its commands."""
