@@ -12,7 +12,13 @@ from sherd.puzzle.answers import AssemblyQuestion, Decision, assembly_of
 from sherd.puzzle.borders import bordering
 from sherd.puzzle.joint_choice import joint_choice
 from sherd.puzzle.partition import Partition
-from sherd.puzzle.trials import candidates_of, chosen_trials, trials_again, trials_alone
+from sherd.puzzle.trials import (
+    candidates_of,
+    chosen_trials,
+    rigid_trials,
+    trials_again,
+    trials_alone,
+)
 from sherd.results.assemble_options import AssembleKeywords, AssembleOptions
 from sherd.results.assembly import Assembly
 from sherd.results.keywords import options_of
@@ -101,6 +107,8 @@ def assemble(
     trials, impossible = trials_alone(template, intakes, asked, stages, partition)
     trials += trials_again(template, trials, len(intakes), stages, may_overlap=options.may_overlap)
     with stages("joint choice"):
+        if options.rigid:
+            trials = rigid_trials(trials, options.tolerance)
         choice = joint_choice(
             candidates_of(trials, len(intakes)),
             template.placed.vertex_areas,
@@ -108,6 +116,6 @@ def assemble(
         )
         chosen = chosen_trials(trials, choice)
     with stages("borders"):
-        placed = bordering(chosen, may_overlap=options.may_overlap)
+        placed = bordering(chosen, as_they_are=options.may_overlap or options.rigid)
     decision = Decision(trials, chosen, placed, impossible, choice.energy)
     return assembly_of(AssemblyQuestion(template, intakes, partition, options), decision, stages)

@@ -105,12 +105,14 @@ def _answer(piece: int, intake: Intake, decision: Decision, stages: Stages) -> P
         return PieceAnswer(intake.original, placed=False, reason=reason, chance=0.0)
     if piece in decision.placed:
         result = match_result(decision.placed[piece], stages)
+        motion = decision.chosen[piece].motion
         return PieceAnswer(
             result.part,
             placed=True,
             reason=result.advice,
             chance=decision.chosen[piece].chance,
             match=result,
+            transform=None if motion is None else motion.matrix,
         )
     alone = next(trial for trial in decision.trials if trial.piece == piece)
     result = match_result(alone.placed, stages)

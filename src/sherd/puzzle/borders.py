@@ -38,14 +38,14 @@ LEAST_GAP = -0.01
 TOGETHER = 0.005
 
 
-def bordering(chosen: Mapping[int, Trial], *, may_overlap: bool = False) -> dict[int, PlacedPart]:
+def bordering(chosen: Mapping[int, Trial], *, as_they_are: bool = False) -> dict[int, PlacedPart]:
     """By piece its placement, borders drawn together where the pieces were cut from one surface.
 
     Where pieces were not cut apart but scanned, they overlap everywhere; then they stay as they
     are. Placements that are off leave as many cracks as overlaps.
     """
     parts = {piece: trial.placed for piece, trial in chosen.items()}
-    if may_overlap or len(parts) < 2:
+    if as_they_are or len(parts) < 2:
         return parts
     questions = [part.question for part in parts.values()]
     placements = [part.best for part in parts.values()]

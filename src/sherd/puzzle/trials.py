@@ -16,13 +16,22 @@ from sherd.output import Stages
 from sherd.puzzle.border import border_of
 from sherd.puzzle.joint_choice import Candidate, Choice, joint_choice, shared_areas
 from sherd.puzzle.partition import Partition
+from sherd.puzzle.rigid import RigidMotion, rigidly_placed
 from sherd.results.advice import SURE
 from sherd.results.match_options import MatchOptions
 from sherd.scan.either_side import SURE_BULGE, better_side
 from sherd.scan.intake import Intake
 from sherd.surface.template import Template
 
-__all__ = ["Trial", "candidates_of", "chosen_trials", "clashes", "trials_again", "trials_alone"]
+__all__ = [
+    "Trial",
+    "candidates_of",
+    "chosen_trials",
+    "clashes",
+    "rigid_trials",
+    "trials_again",
+    "trials_alone",
+]
 
 # Regions are claimed surely but for a strip of two vertex spacings along the border.
 MARGIN = 0.02
@@ -49,12 +58,15 @@ class Trial:
         Of the full shape, which knows how deep a vertex lies in a region.
     chance
         That it is right.
+    motion
+        What brings a rigid piece there; None if it is not rigid.
     """
 
     piece: int
     placed: PlacedPart
     partition: Partition
     chance: float
+    motion: RigidMotion | None = None
 
     @cached_property
     def candidate(self) -> Candidate:
@@ -175,6 +187,19 @@ def _placed(
         score=lambda placed: placed.best.score,
         sure=sure,
     )
+
+
+def rigid_trials(trials: Sequence[Trial], tolerance: float) -> list[Trial]:
+    """The same with placements that only turn and shift the pieces.
+
+    The chance of each is multiplied by the share of the piece that then lies on the full shape.
+    """
+    found = []
+    for trial in trials:
+        placed, motion, share = rigidly_placed(trial.placed, tolerance)
+        chance = trial.chance * share
+        found.append(replace(trial, placed=placed, chance=chance, motion=motion))
+    return found
 
 
 def _as_trials(piece: int, placed: PlacedPart, partition: Partition) -> list[Trial]:
