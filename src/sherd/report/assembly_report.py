@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from typing import Any
 
 import numpy as np
 
-from sherd.arrays import Floats
-from sherd.drawing.exhibit import Exhibit, Layer, Partner, Verdict
-from sherd.mesh.surface_points import SurfacePoints
+from sherd.drawing.exhibit import Exhibit, Partner, Verdict
+from sherd.report.assembly_scene import AssemblyScene
 from sherd.report.files import painted_ply, table_csv
 from sherd.report.frame import Report, mesh_facts
-from sherd.report.known_layers import known_layer
 from sherd.report.match_report import correspondence_csv
-from sherd.report.piece_colors import piece_palette
-from sherd.report.piece_row import PieceRow, piece_row
+from sherd.report.piece_row import ShownPiece
 from sherd.report.stored.folder import ASSEMBLY_FORMAT
 from sherd.results.assembly import Assembly, PieceAnswer
 from sherd.results.status import Status
@@ -41,30 +38,42 @@ def piece_file(piece: int, name: str = "correspondence.csv") -> str:
 def assembly_report(result: Assembly, *, command: str = "") -> Report:
     """All that is written of an assembly."""
     document = _document(result, command)
-    full_layers, row = _full_layers(result), piece_row(result.full, result.pieces)
+    scene = _scene(result)
     files: dict[str, str | bytes] = {
-        "labels.csv": _labels_csv(result),
-        "full.ply": painted_ply(result.full, full_layers),
+        "labels.csv": _labels_csv(result, scene),
+        "full.ply": painted_ply(result.full, scene.full_layers),
     }
     for number, piece in enumerate(result.pieces):
-        layers = _piece_layers(result, number, piece)
-        files[piece_file(number, "part.ply")] = painted_ply(piece.part, layers)
+        files[piece_file(number, "part.ply")] = painted_ply(piece.part, scene.piece_layers(number))
         if piece.placed and piece.match is not None:
             files[piece_file(number)] = correspondence_csv(piece.match)
-    exhibit = _exhibit(result, document, full_layers, row)
-    return Report(document, exhibit, files, picture_name="assembly.png")
+    return Report(document, _exhibit(result, document, scene), files, picture_name="assembly.png")
 
 
-def _labels_csv(result: Assembly) -> str:
-    """``full_vertex,piece,membership``, a row for each vertex of the full shape, from 0."""
+def _scene(result: Assembly) -> AssemblyScene:
     both = np.concatenate([result.memberships, result.gap_membership[None, :]])
     row = np.where(result.labels < 0, len(result.pieces), result.labels)
-    count = len(result.labels)
+    return AssemblyScene(
+        full=result.full,
+        pieces=[ShownPiece(piece.part, _partner(piece)) for piece in result.pieces],
+        labels=result.labels,
+        membership=both[row, np.arange(len(row))],
+    )
+
+
+def _partner(piece: PieceAnswer) -> Partner | None:
+    if not piece.placed or piece.match is None:
+        return None
+    return Partner(piece.match.points, piece.match.matched, piece.match.confidence)
+
+
+def _labels_csv(result: Assembly, scene: AssemblyScene) -> str:
+    """``full_vertex,piece,membership``, a row for each vertex of the full shape, from 0."""
     return table_csv(
         {
-            "full_vertex": np.arange(count),
+            "full_vertex": np.arange(len(result.labels)),
             "piece": result.labels,
-            "membership": both[row, np.arange(count)],
+            "membership": scene.membership,
         }
     )
 
@@ -116,61 +125,11 @@ def _status(result: Assembly) -> Status:
     return Status.GOOD if known and set(known) == {Status.GOOD} else Status.DOUBTFUL
 
 
-def _names(result: Assembly) -> tuple[str, ...]:
-    own = (f"{k} {piece.part.name}" for k, piece in enumerate(result.pieces))
-    return (*own, "gap", "refused")
-
-
-def _piece_layer(result: Assembly, values: Any) -> Layer:
-    return Layer(
-        "piece",
-        values,
-        kind="category",
-        description="Which piece lies where; equal colors belong together.",
-        labels=_names(result),
-        palette=piece_palette(len(result.pieces)),
-    )
-
-
-def _full_layers(result: Assembly) -> tuple[Layer, ...]:
-    gap = len(result.pieces)
-    surest = np.max(result.memberships, axis=0, initial=0.0)
-    return (
-        _piece_layer(result, np.where(result.labels < 0, gap, result.labels)),
-        known_layer("membership", np.where(result.labels < 0, result.gap_membership, surest)),
-    )
-
-
-def _color_number(result: Assembly, number: int) -> int:
-    return number if result.pieces[number].placed else len(result.pieces) + 1
-
-
-def _piece_layers(result: Assembly, number: int, piece: PieceAnswer) -> tuple[Layer, ...]:
-    count = piece.part.vertex_count
-    layers = [_piece_layer(result, np.full(count, _color_number(result, number)))]
-    if piece.placed and piece.match is not None:
-        layers.append(known_layer("confidence", piece.match.confidence))
-        layers.append(known_layer("matched", piece.match.matched))
-    return tuple(layers)
-
-
-def _exhibit(
-    result: Assembly, document: Mapping[str, Any], full_layers: tuple[Layer, ...], row: PieceRow
-) -> Exhibit:
-    colors = np.array([_color_number(result, k) for k in range(len(result.pieces))])
-    partner, confidence = _partner(result)
+def _exhibit(result: Assembly, document: Mapping[str, Any], scene: AssemblyScene) -> Exhibit:
     status = _status(result)
     words = "good: each placed piece fits" if status is Status.GOOD else _doubts(result)
-    return Exhibit(
-        title=f"{len(result.pieces)} pieces on {result.full.name}",
-        full=result.full,
-        part=row.mesh,
-        full_layers=full_layers,
-        part_layers=(
-            _piece_layer(result, colors[row.owner]),
-            known_layer("confidence", confidence),
-        ),
-        partner=partner,
+    return replace(
+        scene.exhibit(),
         verdict=Verdict.from_advice(words, trusted=status is Status.GOOD),
         summary=_sentences(result),
         facts={
@@ -185,32 +144,7 @@ def _exhibit(
             "Seconds": document["timings"],
         },
         command=str(document["command"]),
-        region=np.ones(result.full.vertex_count, dtype=bool),
-        names=("Full shape", "Pieces"),
-        part_stands=True,
-        part_numbers=row.numbers,
     )
-
-
-def _partner(result: Assembly) -> tuple[Partner, Floats]:
-    """The map of all pieces, one after the other, and its confidence."""
-    faces, weights, known, sure = [], [], [], []
-    for piece in result.pieces:
-        count = piece.part.vertex_count
-        match = piece.match if piece.placed else None
-        if match is None:
-            faces.append(np.zeros(count, dtype=np.int64))
-            weights.append(np.tile([1.0, 0.0, 0.0], (count, 1)))
-            known.append(np.zeros(count, dtype=bool))
-            sure.append(np.full(count, np.nan))
-        else:
-            faces.append(match.points.faces)
-            weights.append(match.points.barycentric)
-            known.append(match.matched)
-            sure.append(match.confidence)
-    points = SurfacePoints(np.concatenate(faces), np.concatenate(weights))
-    confidence = np.concatenate(sure)
-    return Partner(points, np.concatenate(known), confidence), confidence
 
 
 def _piece_words(piece: PieceAnswer) -> str:

@@ -12,14 +12,21 @@ from sherd.drawing.alignment import rotation_to_full
 from sherd.drawing.camera import best_view, upward
 from sherd.drawing.exhibit import Exhibit, Partner
 from sherd.mesh.triangle_mesh import TriangleMesh
-from sherd.results.assembly import PieceAnswer
 
-__all__ = ["PieceRow", "piece_row"]
+__all__ = ["PieceRow", "ShownPiece", "piece_row"]
 
 # Between neighbors, as a share of the largest extent of a piece.
 SPACE = 0.12
 # Rows are broken so that all together are about as wide as high times this: half a page.
 ASPECT = 1.2
+
+
+@dataclass(frozen=True, eq=False)
+class ShownPiece:
+    """One piece and its points on the full shape; None if it is refused."""
+
+    mesh: TriangleMesh
+    partner: Partner | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +48,7 @@ class PieceRow:
     numbers: Ints
 
 
-def piece_row(full: TriangleMesh, pieces: Sequence[PieceAnswer]) -> PieceRow:
+def piece_row(full: TriangleMesh, pieces: Sequence[ShownPiece]) -> PieceRow:
     """Lay the pieces out beside each other, in the order given, as one looks at the full shape."""
     view = best_view(full, np.ones(full.vertex_count, dtype=bool), upward(full)).rotation
     seen = [_turned(full, piece) @ view.T for piece in pieces]
@@ -56,7 +63,7 @@ def piece_row(full: TriangleMesh, pieces: Sequence[PieceAnswer]) -> PieceRow:
         places.append((points - least + start) @ view)
     counts = [len(points) for points in places]
     starts = np.cumsum([0, *counts[:-1]])
-    faces = [piece.part.faces + start for piece, start in zip(pieces, starts, strict=True)]
+    faces = [piece.mesh.faces + start for piece, start in zip(pieces, starts, strict=True)]
     return PieceRow(
         mesh=TriangleMesh(np.concatenate(places), np.concatenate(faces), name="pieces"),
         owner=np.repeat(np.arange(len(pieces)), counts),
@@ -64,18 +71,12 @@ def piece_row(full: TriangleMesh, pieces: Sequence[PieceAnswer]) -> PieceRow:
     )
 
 
-def _turned(full: TriangleMesh, piece: PieceAnswer) -> Floats:
+def _turned(full: TriangleMesh, piece: ShownPiece) -> Floats:
     """The piece's vertices, turned toward its place."""
-    if piece.match is None:
-        return np.array(piece.part.vertices)
-    scene = Exhibit(
-        piece.part.name,
-        full,
-        piece.part,
-        partner=Partner(piece.match.points, piece.match.matched),
-        region=piece.match.best.mask,
-    )
-    turned: Floats = piece.match.scale * piece.part.vertices @ rotation_to_full(scene).T
+    if piece.partner is None:
+        return np.array(piece.mesh.vertices)
+    scene = Exhibit(piece.mesh.name, full, piece.mesh, partner=piece.partner)
+    turned: Floats = piece.mesh.vertices @ rotation_to_full(scene).T
     return turned
 
 
