@@ -9,7 +9,7 @@ import sherd
 from sherd.arrays import Ints
 from sherd.errors import InputError, OptionError
 from sherd.mesh.triangle_mesh import TriangleMesh
-from sherd.results.assembly import Assembly
+from sherd.results.puzzle.assembly import Assembly
 from sherd.shapes import creature, moved, puzzle_pieces, remeshed
 from sherd.shapes.fragment import Fragment
 from sherd.spectral.surface_distances import SurfaceDistances

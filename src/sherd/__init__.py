@@ -42,8 +42,6 @@ if TYPE_CHECKING:
     from sherd.report.notebook import plot, show
     from sherd.report.stored.stored_match import read_match
     from sherd.report.write import write_report
-    from sherd.results.assemble_options import AssembleOptions
-    from sherd.results.assembly import Assembly
     from sherd.results.locate_options import LocateOptions
     from sherd.results.locate_result import LocateResult
     from sherd.results.match_options import MatchOptions
@@ -51,14 +49,16 @@ if TYPE_CHECKING:
     from sherd.results.overlap_options import OverlapOptions
     from sherd.results.overlap_result import Overlap
     from sherd.results.placement import Placement
+    from sherd.results.puzzle.assemble_options import AssembleOptions
+    from sherd.results.puzzle.assembly import Assembly
     from sherd.results.status import Status
     from sherd.scan.surface_from_points import surface_from_points
     from sherd.surface.template import Template
 
 # Where each public name lives. Names are loaded when first used, so `import sherd` stays light.
 _HOMES = {
-    "AssembleOptions": "sherd.results.assemble_options",
-    "Assembly": "sherd.results.assembly",
+    "AssembleOptions": "sherd.results.puzzle.assemble_options",
+    "Assembly": "sherd.results.puzzle.assembly",
     "Convergence": "sherd.energy.convergence",
     "InfeasibleError": "sherd.errors",
     "InputError": "sherd.errors",

@@ -19,10 +19,10 @@ from sherd.puzzle.trials import (
     trials_again,
     trials_alone,
 )
-from sherd.results.assemble_options import AssembleKeywords, AssembleOptions
-from sherd.results.assembly import Assembly
 from sherd.results.keywords import options_of
 from sherd.results.match_options import MatchOptions
+from sherd.results.puzzle.assemble_options import AssembleKeywords, AssembleOptions
+from sherd.results.puzzle.assembly import Assembly
 from sherd.scan.intake import MeshSource, ScanSource, scan_intake
 from sherd.surface.prepared import as_template
 from sherd.surface.template import Template

@@ -35,7 +35,9 @@ def candidate(low: float, high: float, chance: float) -> Candidate:
     piece, kept = MESH.submesh((middle > low) & (middle < high))
     region = np.zeros(MESH.vertex_count, dtype=bool)
     region[kept] = True
-    return Candidate(region, region, chance, border_of(piece, piece.vertices))
+    core = region.copy()
+    core[kept[piece.boundary_vertices]] = False
+    return Candidate(region, core, chance, border_of(piece, piece.vertices))
 
 
 def energy(pieces: list[list[Candidate]], choice: tuple[int, ...]) -> float:

@@ -16,8 +16,8 @@ from sherd.cli.options import overwrite_option, quiet_option
 from sherd.limits import require_seed
 from sherd.output import Stages
 from sherd.report.write import write_report
-from sherd.results.assemble_options import TOLERANCE, AssembleOptions
-from sherd.results.assembly import Assembly
+from sherd.results.puzzle.assemble_options import TOLERANCE, AssembleOptions
+from sherd.results.puzzle.assembly import Assembly
 from sherd.results.status import Status
 from sherd.scan.either_side import SIDES, Side
 from sherd.scan.intake import scan_intake

@@ -15,11 +15,11 @@ from sherd.errors import OutputError
 from sherd.output import require_writable
 from sherd.report.stored.folder import ASSEMBLY_FORMAT
 from sherd.result_folder import NAMES, ResultKind, replaceable_files
-from sherd.results.assembly import Assembly
 from sherd.results.locate_result import LocateResult
 from sherd.results.match_options import SCALES
 from sherd.results.match_result import MatchResult
 from sherd.results.overlap_result import Overlap
+from sherd.results.puzzle.assembly import Assembly
 from sherd.scan.intake import mesh_intake
 from sherd.surface.template import Template
 

@@ -16,8 +16,8 @@ from sherd.puzzle.joint_choice import shared_areas
 from sherd.puzzle.partition import GAP, Partition
 from sherd.puzzle.trials import Trial, clashes
 from sherd.region.coverage import smoothed
-from sherd.results.assemble_options import AssembleOptions
-from sherd.results.assembly import Assembly, Contact, Gap, PieceAnswer, SharedPlace
+from sherd.results.puzzle.assemble_options import AssembleOptions
+from sherd.results.puzzle.assembly import Assembly, Contact, Gap, PieceAnswer, SharedPlace
 from sherd.results.status import Status
 from sherd.scan.intake import Intake
 from sherd.surface.template import Template

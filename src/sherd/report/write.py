@@ -8,19 +8,19 @@ from typing import Any
 from sherd.arrays import Floats
 from sherd.drawing.picture import picture, png_bytes
 from sherd.errors import InputError
-from sherd.report.assembly_report import assembly_report
 from sherd.report.exports import exported
 from sherd.report.frame import Report
 from sherd.report.html import page
 from sherd.report.locate_report import locate_report
 from sherd.report.match_report import match_report
 from sherd.report.overlap_report import overlap_report
+from sherd.report.puzzle.assembly_report import assembly_report
 from sherd.report.stored.folder import plain
 from sherd.result_folder import ResultFolder, kind_of, replaceable_files
-from sherd.results.assembly import Assembly
 from sherd.results.locate_result import LocateResult
 from sherd.results.match_result import MatchResult
 from sherd.results.overlap_result import Overlap
+from sherd.results.puzzle.assembly import Assembly
 
 __all__ = ["report_of", "write_report"]
 

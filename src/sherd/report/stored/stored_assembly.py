@@ -13,8 +13,8 @@ from sherd.drawing.exhibit import Exhibit, Partner, Verdict
 from sherd.files.mesh_files import read_mesh
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
-from sherd.report.assembly_scene import AssemblyScene
-from sherd.report.piece_row import ShownPiece
+from sherd.report.puzzle.assembly_scene import AssemblyScene
+from sherd.report.puzzle.piece_row import ShownPiece
 from sherd.results.status import Status
 
 __all__ = ["assembly_exhibit"]

@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 
 from sherd.drawing.exhibit import Exhibit, Partner, Verdict
-from sherd.report.assembly_scene import AssemblyScene
 from sherd.report.files import painted_ply, table_csv
 from sherd.report.frame import Report, mesh_facts
 from sherd.report.match_report import correspondence_csv
-from sherd.report.piece_row import ShownPiece
+from sherd.report.puzzle.assembly_scene import AssemblyScene
+from sherd.report.puzzle.piece_row import ShownPiece
 from sherd.report.stored.folder import ASSEMBLY_FORMAT
-from sherd.results.assembly import Assembly, PieceAnswer
+from sherd.results.puzzle.assembly import Assembly, PieceAnswer
 from sherd.results.status import Status
 
 __all__ = ["assembly_report", "piece_file"]

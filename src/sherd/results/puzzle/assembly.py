@@ -11,9 +11,9 @@ from sherd._version import __version__
 from sherd.arrays import Floats, FrozenState, Ints, frozen
 from sherd.errors import InvalidMeshError
 from sherd.mesh.triangle_mesh import TriangleMesh
-from sherd.results.assemble_options import AssembleOptions
 from sherd.results.display import table_html
 from sherd.results.match_result import MatchResult
+from sherd.results.puzzle.assemble_options import AssembleOptions
 
 __all__ = ["Assembly", "AssemblyCheck", "Contact", "Gap", "PieceAnswer", "SharedPlace"]
 

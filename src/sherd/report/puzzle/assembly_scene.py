@@ -12,8 +12,8 @@ from sherd.drawing.exhibit import Exhibit, Layer, Partner
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.report.known_layers import known_layer
-from sherd.report.piece_colors import piece_palette
-from sherd.report.piece_row import ShownPiece, piece_row
+from sherd.report.puzzle.piece_colors import piece_palette
+from sherd.report.puzzle.piece_row import ShownPiece, piece_row
 
 __all__ = ["AssemblyScene"]
 
