@@ -88,7 +88,7 @@ def test_what_lies_wholly_on_a_surer_piece_is_refused_unless_pieces_may_overlap(
 
 
 def test_an_unlikely_piece_that_fills_a_hole_has_a_place_and_one_in_the_open_has_not() -> None:
-    unlikely = [candidate(0.4, 0.6, 0.35)]
+    unlikely = [candidate(0.4, 0.6, 0.25)]
     around = [[candidate(0.0, 0.4, 0.95)], [candidate(0.6, 1.0, 0.95)]]
     assert joint_choice([unlikely], MESH.vertex_areas).candidates.tolist() == [-1]
     assert joint_choice([unlikely, *around], MESH.vertex_areas).candidates.tolist() == [0, 0, 0]

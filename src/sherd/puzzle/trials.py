@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from sherd.arrays import Bools, Floats
+from sherd.correspondence.confidence import LEAST, MOST
 from sherd.errors import InfeasibleError
 from sherd.match import PlacedPart, placed_part
 from sherd.mesh.sides import bulge
@@ -29,6 +30,7 @@ __all__ = [
     "chosen_trials",
     "clashes",
     "rigid_trials",
+    "trial_chance",
     "trials_again",
     "trials_alone",
 ]
@@ -42,6 +44,14 @@ ANOTHER = 0.5
 # A placement with a score lower by this is a third as likely to be right: as far apart as match
 # takes a twin for plausible.
 SCORE_SCALE = 0.1
+
+# Of one, the logit of the chance that match gives, and the score. A logistic regression over 63
+# trials of six puzzles cut from a horse, a lion, a cat and a man, 40 of the trials right (error
+# below 0.05), 23 of foreign pieces or in wrong places. The chance was made for parts of a fifth of
+# a shape and more; of small ones, and where places are forbidden, the score tells more. With each
+# puzzle held out in turn the area under the ROC is 0.85; of the chance alone, on all, it is 0.88,
+# of this 0.91.
+COEFFICIENTS = (-4.8, 0.29, 8.1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -189,6 +199,13 @@ def _placed(
     )
 
 
+def trial_chance(chance: float, score: float) -> float:
+    """The chance that a placement is right, by that of :func:`sherd.match` and its score."""
+    logit = float(np.log(chance / (1.0 - chance)))  # a chance is never 0 or 1
+    exponent = np.array([1.0, logit, score]) @ np.array(COEFFICIENTS)
+    return float(np.clip(1.0 / (1.0 + np.exp(-exponent)), LEAST, MOST))
+
+
 def rigid_trials(trials: Sequence[Trial], tolerance: float) -> list[Trial]:
     """The same with placements that only turn and shift the pieces.
 
@@ -204,13 +221,14 @@ def rigid_trials(trials: Sequence[Trial], tolerance: float) -> list[Trial]:
 
 def _as_trials(piece: int, placed: PlacedPart, partition: Partition) -> list[Trial]:
     """The placement, and the other one if it is another place."""
-    found = [Trial(piece, placed, partition, placed.chance)]
+    chance = trial_chance(placed.chance, placed.best.score)
+    found = [Trial(piece, placed, partition, chance)]
     best, other = placed.best, placed.other
     union = float(np.count_nonzero(best.mask | other.mask))
     if np.count_nonzero(best.mask & other.mask) < ANOTHER * union:
         less = float(np.exp((other.score - best.score) / SCORE_SCALE))
         swapped = replace(placed, best=other, other=best)
-        found.append(Trial(piece, swapped, partition, placed.chance * less))
+        found.append(Trial(piece, swapped, partition, chance * less))
     return found
 
 
