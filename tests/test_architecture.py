@@ -47,6 +47,7 @@ FLOORS = {
     "overlap": 9,
     "puzzle": 10,
     "assemble": 11,
+    "join": 11,
     "report": 12,
     "benchmark": 13,
     "cli": 14,

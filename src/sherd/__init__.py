@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     )
     from sherd.files.cloud_files import read_scan
     from sherd.files.mesh_files import read_mesh, write_mesh
+    from sherd.join import join
     from sherd.locate import locate
     from sherd.match import match
     from sherd.mesh.point_cloud import PointCloud
@@ -51,6 +52,7 @@ if TYPE_CHECKING:
     from sherd.results.placement import Placement
     from sherd.results.puzzle.assemble_options import AssembleOptions
     from sherd.results.puzzle.assembly import Assembly
+    from sherd.results.puzzle.joined import Joined
     from sherd.results.status import Status
     from sherd.scan.surface_from_points import surface_from_points
     from sherd.surface.template import Template
@@ -63,6 +65,7 @@ _HOMES = {
     "InfeasibleError": "sherd.errors",
     "InputError": "sherd.errors",
     "InvalidMeshError": "sherd.errors",
+    "Joined": "sherd.results.puzzle.joined",
     "LocateOptions": "sherd.results.locate_options",
     "LocateResult": "sherd.results.locate_result",
     "MatchOptions": "sherd.results.match_options",
@@ -83,6 +86,7 @@ _HOMES = {
     "TriangleMesh": "sherd.mesh.triangle_mesh",
     "assemble": "sherd.assemble",
     "inspect": "sherd.repair.inspection",
+    "join": "sherd.join",
     "locate": "sherd.locate",
     "match": "sherd.match",
     "overlap": "sherd.overlap",
@@ -104,6 +108,7 @@ __all__ = [
     "InfeasibleError",
     "InputError",
     "InvalidMeshError",
+    "Joined",
     "LocateOptions",
     "LocateResult",
     "MatchOptions",
@@ -125,6 +130,7 @@ __all__ = [
     "__version__",
     "assemble",
     "inspect",
+    "join",
     "locate",
     "match",
     "overlap",

@@ -13,28 +13,34 @@ from sherd.cli.exits import NOT_CONVERGED
 from sherd.cli.first_run import prepare_first_run
 from sherd.cli.inputs import check_piece_outputs, command_line, show_piece_notices, stored_template
 from sherd.cli.options import overwrite_option, quiet_option
+from sherd.join import join
 from sherd.limits import require_seed
 from sherd.output import Stages
 from sherd.report.write import write_report
 from sherd.results.puzzle.assemble_options import TOLERANCE, AssembleOptions
 from sherd.results.puzzle.assembly import Assembly
+from sherd.results.puzzle.joined import Joined
 from sherd.results.status import Status
 from sherd.scan.either_side import SIDES, Side
 from sherd.scan.intake import scan_intake
 
-__all__ = ["assemble_command", "assembly_summary"]
+__all__ = ["assemble_command", "assembly_summary", "joined_summary"]
 
 FILE = click.Path(path_type=Path)
 
 
 @click.command("assemble")
-@click.argument("full", type=FILE)
-@click.argument("pieces", type=FILE, nargs=-1, required=True)
+@click.argument("shapes", type=FILE, nargs=-1, required=True, metavar="FULL PIECE...")
 @click.option("-o", "--output", type=FILE, required=True, help="Folder.")
 @click.option(
     "--may-overlap",
     is_flag=True,
     help="Pieces may lie on each other without limit, as scans of one region do.",
+)
+@click.option(
+    "--no-full",
+    is_flag=True,
+    help="All files are pieces, which overlap: find groups, and their points on each other.",
 )
 @click.option("--rigid", is_flag=True, help="Pieces may only be turned and shifted.")
 @click.option(
@@ -61,11 +67,11 @@ FILE = click.Path(path_type=Path)
 @click.option("--json", "as_json", is_flag=True, help="Print result.json on standard output.")
 @quiet_option()
 def assemble_command(  # noqa: PLR0913 - one for each word that can be typed
-    full: Path,
-    pieces: tuple[Path, ...],
+    shapes: tuple[Path, ...],
     output: Path,
     *,
     may_overlap: bool,
+    no_full: bool,
     rigid: bool,
     tolerance: float,
     template: Path | None,
@@ -75,28 +81,42 @@ def assemble_command(  # noqa: PLR0913 - one for each word that can be typed
     as_json: bool,
     quiet: bool,
 ) -> int:
-    """Place all PIECES on the mesh FULL together: what belongs where, what is missing or foreign.
+    """Place all pieces on the mesh FULL together: what belongs where, what is missing or foreign.
 
     Writes labels.csv, piece_K/correspondence.csv for each placed piece, from 0 in the order given,
     full.ply and piece_K/part.ply in the colors of the pieces, assembly.png, report.html and
     result.json to the output folder. Exit code 4 if a placed piece is in doubt or none has a place.
+
+    With --no-full there is no whole: writes pairs.csv, piece_K/partners.csv with the points of each
+    piece on the others, piece_K/part.ply, assembly.png, report.html and result.json. Exit code 4 if
+    nothing belongs together.
 
     \b
     Examples:
       sherd assemble template.ply piece*.ply -o out/
       sherd assemble vase.ply sherd*.ply -o out/ --rigid
       sherd assemble template.ply scan1.ply scan2.ply -o out/ --may-overlap
+      sherd assemble --no-full scan*.ply -o out/
     """  # noqa: D301
     require_seed(seed)
     options = AssembleOptions(
         may_overlap=may_overlap, rigid=rigid, tolerance=tolerance, side=side, seed=seed
     )
+    if no_full and (rigid or may_overlap or template is not None):
+        raise click.UsageError("--rigid, --may-overlap and --template need a whole")
+    if len(shapes) < 2:
+        raise click.UsageError("give a whole and at least one piece, or, with --no-full, two")
+    full, pieces = (None, shapes) if no_full else (shapes[0], shapes[1:])
     check_piece_outputs(output, full, pieces, overwrite=overwrite, template=template)
     prepare_first_run(quiet=quiet)
     stages = Stages(visible=False if quiet else None)
     intakes = [scan_intake(piece) for piece in pieces]
-    described = stored_template(template, full, quiet=quiet)
-    result = assemble(described, intakes, options, stages=stages)
+    result: Assembly | Joined
+    if full is None:
+        result = join(intakes, options, stages=stages)
+    else:
+        described = stored_template(template, full, quiet=quiet)
+        result = assemble(described, intakes, options, stages=stages)
     with stages("files"):
         document = write_report(
             result,
@@ -109,8 +129,19 @@ def assemble_command(  # noqa: PLR0913 - one for each word that can be typed
     if as_json:
         click.echo(json.dumps(document, indent=2))
     elif not quiet:
-        click.echo(assembly_summary(result, output))
+        summary = joined_summary if isinstance(result, Joined) else assembly_summary
+        click.echo(summary(result, output))  # type: ignore[arg-type]
     return 0 if document["status"] == Status.GOOD.name.lower() else NOT_CONVERGED
+
+
+def joined_summary(result: Joined, output: Path) -> str:
+    """The answer in a few lines for the terminal."""
+    lines = []
+    for group in result.groups:
+        names = ", ".join(f"{k} {result.pieces[k].name}" for k in group)
+        lines.append(f"together: {names}" if len(group) > 1 else f"alone: {names}")
+    lines.append(f"Open {output / 'report.html'} to see it; numbers are in {output}.")
+    return "\n".join(lines)
 
 
 def assembly_summary(result: Assembly, output: Path) -> str:

@@ -15,6 +15,7 @@ from sherd.result_folder import RESULT, inside_name
 
 __all__ = [
     "ASSEMBLY_FORMAT",
+    "JOINED_FORMAT",
     "MATCH_FORMAT",
     "OVERLAP_FORMAT",
     "REGION_FORMAT",
@@ -27,6 +28,7 @@ MATCH_FORMAT = "sherd match 1"
 REGION_FORMAT = "sherd region 1"
 OVERLAP_FORMAT = "sherd overlap 1"
 ASSEMBLY_FORMAT = "sherd assembly 1"
+JOINED_FORMAT = "sherd assembly-alone 1"
 
 
 def folder_problems(folder: str | os.PathLike[str]) -> tuple[str, ...]:

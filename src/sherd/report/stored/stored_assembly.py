@@ -14,10 +14,11 @@ from sherd.files.mesh_files import read_mesh
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.report.puzzle.assembly_scene import AssemblyScene
+from sherd.report.puzzle.joined_report import joined_exhibit, stored_partners
 from sherd.report.puzzle.piece_row import ShownPiece
 from sherd.results.status import Status
 
-__all__ = ["assembly_exhibit"]
+__all__ = ["assembly_exhibit", "joined_stored_exhibit"]
 
 
 def assembly_exhibit(path: Path, document: Mapping[str, Any]) -> Exhibit:
@@ -38,6 +39,29 @@ def assembly_exhibit(path: Path, document: Mapping[str, Any]) -> Exhibit:
     good = document["status"] == Status.GOOD.name.lower()
     return replace(
         scene.exhibit(),
+        verdict=Verdict("Good" if good else "Doubtful", good),
+        command=str(document.get("command", "")),
+    )
+
+
+def joined_stored_exhibit(path: Path, document: Mapping[str, Any]) -> Exhibit:
+    """The pieces without a whole; `document` is the content of ``result.json``.
+
+    Raises
+    ------
+    OSError, ValueError, KeyError, TypeError
+        If a file is missing or damaged.
+    """
+    pieces, partners = [], []
+    for number, facts in enumerate(document["pieces"]):
+        folder = path / f"piece_{number}"
+        pieces.append(_shape(folder / "part.ply", facts))
+        rows = np.genfromtxt(folder / "partners.csv", delimiter=",", names=True, ndmin=1)
+        partners.append(stored_partners({name: rows[name] for name in rows.dtype.names or ()}))
+    groups = [[int(k) for k in group] for group in document["groups"]]
+    good = document["status"] == Status.GOOD.name.lower()
+    return replace(
+        joined_exhibit(pieces, groups, partners),
         verdict=Verdict("Good" if good else "Doubtful", good),
         command=str(document.get("command", "")),
     )

@@ -21,12 +21,13 @@ from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.report.known_layers import file_layers, located_part_layers, stored_layers
 from sherd.report.stored.folder import (
     ASSEMBLY_FORMAT,
+    JOINED_FORMAT,
     MATCH_FORMAT,
     OVERLAP_FORMAT,
     REGION_FORMAT,
     folder_problems,
 )
-from sherd.report.stored.stored_assembly import assembly_exhibit
+from sherd.report.stored.stored_assembly import assembly_exhibit, joined_stored_exhibit
 from sherd.report.stored.stored_match import read_match
 from sherd.results.status import Status
 
@@ -58,6 +59,8 @@ def read_exhibit(folder: str | os.PathLike[str]) -> Exhibit:
             return _overlap_exhibit(path, document)
         if kind == ASSEMBLY_FORMAT:
             return assembly_exhibit(path, document)
+        if kind == JOINED_FORMAT:
+            return joined_stored_exhibit(path, document)
     except SherdError:
         raise
     except (OSError, ValueError, KeyError, TypeError) as error:
