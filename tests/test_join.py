@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import jsonschema
 import numpy as np
 import pytest
 from click.testing import CliRunner
@@ -19,6 +20,8 @@ from sherd.report.stored.stored_exhibit import read_exhibit
 from sherd.results.puzzle.joined import Joined
 from sherd.shapes import creature, cut_by_ball, landmarks, moved, whole
 from sherd.shapes.fragment import Fragment
+
+SCHEMA = Path(__file__).parents[1] / "docs" / "schema" / "assembly-alone.json"
 
 
 @pytest.fixture(scope="module")
@@ -78,6 +81,9 @@ def test_loops_close_better_than_before(answer) -> None:
 def test_files_are_written_and_read_back(answer, tmp_path) -> None:
     document = sherd.write_report(answer, tmp_path / "out")
     assert folder_problems(tmp_path / "out") == ()
+    schema = json.loads(SCHEMA.read_text())
+    jsonschema.validate(document, schema)
+    assert set(document) == set(schema["properties"])
     assert document["full"] is None
     assert [piece["group"] for piece in document["pieces"]] == [0, 0, 0, 1]
     rows = (tmp_path / "out" / "piece_0" / "partners.csv").read_text().splitlines()

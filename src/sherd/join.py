@@ -75,7 +75,8 @@ def join(
     Notes
     -----
     Every piece is described once. All pairs are compared by a few nodes, at a tenth of the cost of
-    a full question; only the best few of each piece, and a tree over all, are asked in full.
+    a full question; only the best few of each piece, and a tree over all, are asked in full, and
+    none that has no more evidence than unrelated pieces have.
 
     Examples
     --------

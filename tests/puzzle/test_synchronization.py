@@ -9,7 +9,7 @@ import pytest
 
 from sherd.mesh.surface_points import points_at_vertices
 from sherd.mesh.triangle_mesh import TriangleMesh
-from sherd.puzzle.pairs import pairs_to_ask
+from sherd.puzzle.pairs import LEAST_EVIDENCE, pairs_to_ask
 from sherd.puzzle.synchronization import PieceMap, consistent_pairs, cycle_error, synchronized
 
 
@@ -46,9 +46,10 @@ def test_a_wrong_map_is_outvoted_and_loops_close(pieces) -> None:
     before = cycle_error(pieces, maps, 1.0)
     after = synchronized(pieces, maps, 1.0)
     assert before > 0.1
-    assert cycle_error(pieces, after, 1.0) < 1e-6
+    # the median is iterated eight times, so it has all but arrived
+    assert cycle_error(pieces, after, 1.0) < 1e-4
     off = after[0, 1].points.positions(pieces[1]) - pieces[0].vertices
-    assert np.abs(off).max() < 1e-6
+    assert np.abs(off).max() < 1e-3
 
 
 def test_pieces_without_a_map_of_their_own_are_joined_by_detours(pieces) -> None:
@@ -73,11 +74,12 @@ def test_without_loops_the_cycle_error_is_unknown(pieces) -> None:
 
 def test_few_pairs_are_asked_and_all_pieces_are_reached() -> None:
     rng = np.random.default_rng(0)
-    evidence = rng.uniform(0, 0.3, size=(12, 12))
+    evidence = rng.uniform(0.2, 0.5, size=(12, 12))
     evidence = np.maximum(evidence, evidence.T)
     for k in range(11):  # each is like the next
         evidence[k, k + 1] = evidence[k + 1, k] = 0.8
     pairs = pairs_to_ask(evidence)
     assert len(pairs) <= 36
     assert {(k, k + 1) for k in range(11)} <= set(pairs)
+    assert min(evidence[pair] for pair in pairs) >= LEAST_EVIDENCE
     assert [evidence[pair] for pair in pairs] == sorted((evidence[p] for p in pairs), reverse=True)
