@@ -45,12 +45,15 @@ FLOORS = {
     "match": 9,
     "locate": 9,
     "overlap": 9,
-    "report": 10,
-    "benchmark": 11,
-    "cli": 12,
+    "puzzle": 10,
+    "assemble": 11,
+    "join": 11,
+    "report": 12,
+    "benchmark": 13,
+    "cli": 14,
     # loads the public names from all floors, and starts the command line
-    "sherd": 13,
-    "__main__": 13,
+    "sherd": 15,
+    "__main__": 15,
 }
 GROUND = 1  # output may raise errors, and both stand on the ground
 LARGEST_FILE = 400

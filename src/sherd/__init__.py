@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any
 from sherd._version import __version__
 
 if TYPE_CHECKING:
+    from sherd.assemble import assemble
     from sherd.energy.convergence import Convergence
     from sherd.errors import (
         InfeasibleError,
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
     )
     from sherd.files.cloud_files import read_scan
     from sherd.files.mesh_files import read_mesh, write_mesh
+    from sherd.join import join
     from sherd.locate import locate
     from sherd.match import match
     from sherd.mesh.point_cloud import PointCloud
@@ -48,16 +50,22 @@ if TYPE_CHECKING:
     from sherd.results.overlap_options import OverlapOptions
     from sherd.results.overlap_result import Overlap
     from sherd.results.placement import Placement
+    from sherd.results.puzzle.assemble_options import AssembleOptions
+    from sherd.results.puzzle.assembly import Assembly
+    from sherd.results.puzzle.joined import Joined
     from sherd.results.status import Status
     from sherd.scan.surface_from_points import surface_from_points
     from sherd.surface.template import Template
 
 # Where each public name lives. Names are loaded when first used, so `import sherd` stays light.
 _HOMES = {
+    "AssembleOptions": "sherd.results.puzzle.assemble_options",
+    "Assembly": "sherd.results.puzzle.assembly",
     "Convergence": "sherd.energy.convergence",
     "InfeasibleError": "sherd.errors",
     "InputError": "sherd.errors",
     "InvalidMeshError": "sherd.errors",
+    "Joined": "sherd.results.puzzle.joined",
     "LocateOptions": "sherd.results.locate_options",
     "LocateResult": "sherd.results.locate_result",
     "MatchOptions": "sherd.results.match_options",
@@ -76,7 +84,9 @@ _HOMES = {
     "SurfacePoints": "sherd.mesh.surface_points",
     "Template": "sherd.surface.template",
     "TriangleMesh": "sherd.mesh.triangle_mesh",
+    "assemble": "sherd.assemble",
     "inspect": "sherd.repair.inspection",
+    "join": "sherd.join",
     "locate": "sherd.locate",
     "match": "sherd.match",
     "overlap": "sherd.overlap",
@@ -92,10 +102,13 @@ _HOMES = {
 }
 
 __all__ = [
+    "AssembleOptions",
+    "Assembly",
     "Convergence",
     "InfeasibleError",
     "InputError",
     "InvalidMeshError",
+    "Joined",
     "LocateOptions",
     "LocateResult",
     "MatchOptions",
@@ -115,7 +128,9 @@ __all__ = [
     "Template",
     "TriangleMesh",
     "__version__",
+    "assemble",
     "inspect",
+    "join",
     "locate",
     "match",
     "overlap",

@@ -8,7 +8,7 @@ from typing import Unpack
 
 import numpy as np
 
-from sherd.arrays import Bools, Floats
+from sherd.arrays import Bools, Floats, Ints
 from sherd.correspondence.confidence import (
     LEAST,
     confidence_features,
@@ -66,7 +66,7 @@ from sherd.surface.prepared import as_template, described_part
 from sherd.surface.template import Template
 from sherd.threads import begun
 
-__all__ = ["STAGES", "match", "match_one_side"]
+__all__ = ["STAGES", "PlacedPart", "match", "match_one_side", "match_result", "placed_part"]
 
 STAGES = (
     "full shape", "part", "scale", "anchors", "first placement", "second placement",
@@ -152,6 +152,76 @@ def match_one_side(
     template: Template, part: Intake, options: MatchOptions, stages: Stages
 ) -> MatchResult:
     """Match a part whose faces look outward: the method; see :func:`match`."""
+    return match_result(placed_part(template, part, options, stages), stages)
+
+
+@dataclass(frozen=True, eq=False)
+class PlacedPart:
+    """The placements of one part, of which an answer is made.
+
+    Attributes
+    ----------
+    template, part, kept, options
+        What was asked: the full shape, the part and which of its vertices, and how.
+    pins, question, queries
+        The same on the working meshes.
+    estimate, scale
+        What lengths of the part were multiplied by, and how that was found.
+    best, other
+        The better and the worse of two placements.
+    twin
+        Of the mirror image; None if not asked.
+    energies
+        Of the first and the last labeling, and what they would be if nothing belonged together.
+    """
+
+    template: Template
+    part: Intake
+    kept: Ints
+    options: MatchOptions
+    pins: Pins
+    question: Question
+    queries: Queries
+    estimate: ScaleEstimate
+    scale: float
+    best: WorkingPlacement
+    other: WorkingPlacement
+    twin: WorkingPlacement | None
+    energies: tuple[float, float, float]
+
+    @property
+    def chance(self) -> float:
+        """That the best placement as a whole is right, in [0, 1]."""
+        first, last, by_chance = self.energies
+        surface = self.question.part
+        return placement_chance(
+            placement_features(
+                surface, self.best, self.other, (first, last), chance_energy=by_chance
+            )
+        )
+
+
+def placed_part(
+    template: Template,
+    part: Intake,
+    options: MatchOptions,
+    stages: Stages,
+    *,
+    free: Bools | None = None,
+    twin: bool = True,
+) -> PlacedPart:
+    """Place a part whose faces look outward: the first half of the method.
+
+    Parameters
+    ----------
+    template, part, options, stages
+        As in :func:`match`.
+    free
+        (n,) bool, vertices of the template's working mesh where nodes of the part may be placed;
+        all if None.
+    twin
+        Whether the mirror image is placed as well.
+    """
     unknown = options.scale == "unknown"
     check_hints(template.intake, part, options)
     if unknown:
@@ -168,7 +238,7 @@ def match_one_side(
     with stages("part"):
         surface = described()
         comparison = UNKNOWN_SCALE if unknown else SAME_SCALE
-        question = Question(template, surface, comparison, working_pins(surface, pins))
+        question = Question(template, surface, comparison, working_pins(surface, pins), free)
     with stages("scale"):
         own = unit * options.factor / template.length
         estimate = _scale(question, rng, own) if unknown else SAME
@@ -178,7 +248,8 @@ def match_one_side(
             surface = _described(kept, unit, pins)
             question = question.with_part(surface)
         queries = part_queries(question, rng)
-    twin_placement = begun(lambda: mirrored_placement(question, queries, twin_rng))
+    if twin:
+        twin_placement = begun(lambda: mirrored_placement(question, queries, twin_rng))
     with stages("anchors"):
         problem = anchor_problem(question, rng)
         start = first_labeling(problem)
@@ -191,16 +262,34 @@ def match_one_side(
         second = second_placement(question, first, queries, rng)
         best, other = sorted((first, second), key=lambda found: -found.score)
     with stages("mirrored twin"):
-        twin = twin_placement()
+        mirror = twin_placement() if twin else None
+    return PlacedPart(
+        template=template,
+        part=part,
+        kept=kept_vertices,
+        options=options,
+        pins=pins,
+        question=question,
+        queries=queries,
+        estimate=estimate,
+        scale=scale,
+        best=best,
+        other=other,
+        twin=mirror,
+        energies=(start.energy, labeling.energy, chance_level),
+    )
+
+
+def match_result(placed: PlacedPart, stages: Stages) -> MatchResult:
+    """The answer for a placed part: confidence, region and what to think of it."""
+    template, part, options = placed.template, placed.part, placed.options
+    question, best, twin = placed.question, placed.best, placed.twin
+    surface, chance = question.part, placed.chance
     with stages("confidence"):
-        trust = _trust(question, queries, best, other)
-        features = placement_features(
-            surface, best, other, (start.energy, labeling.energy), chance_energy=chance_level
-        )
-        chance = placement_chance(features)
+        trust = _trust(question, placed.queries, best, placed.other)
     with stages("region"):
         membership, mask = _region(question, best, trust.matched)
-    way_back = WayBack(template.intake, part, kept_vertices)
+    way_back = WayBack(template.intake, part, placed.kept)
     result = MatchResult(
         full=template.full,
         part=turned_as_repaired(part),
@@ -212,10 +301,10 @@ def match_one_side(
             matched=trust.matched,
             confidence=trust.confidence,
         ),
-        alternatives=_alternatives(way_back, best, twin),
-        scale=scale,
-        second_score=other.score,
-        twin_score=twin.score,
+        alternatives=() if twin is None else _alternatives(way_back, best, twin),
+        scale=placed.scale,
+        second_score=placed.other.score,
+        twin_score=None if twin is None else twin.score,
         status=Status.GOOD,
         timings=MappingProxyType(dict(stages.seconds)),
         options=options,
@@ -225,16 +314,17 @@ def match_one_side(
         notices=MappingProxyType({"full": template.intake.notices, "part": part.notices}),
         chance=chance,
     )
+    unknown = options.scale == "unknown"
     doubts = Doubts(
         chance=chance,
         featureless=self_likeness(surface) > FEATURELESS,
-        twin=twin.score > best.score + TWIN_MARGIN,
+        twin=twin is not None and twin.score > best.score + TWIN_MARGIN,
         unchecked=result.check().failures,
         unlike=_fits_poorly(trust, share_laid_double(surface, best.deformation)),
         scale_unknown=unknown,
-        scale_bound=scale if estimate.at_bound else None,
-        scale_rival=None if estimate.rival is None else options.factor * estimate.rival,
-        unfollowed=unfollowed_landmarks(question, pins, best.points),
+        scale_bound=placed.scale if placed.estimate.at_bound else None,
+        scale_rival=_scale_rival(placed),
+        unfollowed=unfollowed_landmarks(question, placed.pins, best.points),
         units=_unit_proposal(template, part, options),
     )
     return replace(
@@ -250,6 +340,11 @@ def _scale(question: Question, rng: np.random.Generator, own: float) -> ScaleEst
     found = estimated_scale(question, rng, factors_that_fit(question), own=own)
     rival = None if found.rival is None else found.rival / own
     return replace(found, factor=found.factor / own, rival=rival)
+
+
+def _scale_rival(placed: PlacedPart) -> float | None:
+    rival = placed.estimate.rival
+    return None if rival is None else placed.options.factor * rival
 
 
 def _described(kept: TriangleMesh, unit: float, pins: Pins) -> DescribedSurface:

@@ -50,7 +50,14 @@ from sherd.surface.described import DescribedSurface
 from sherd.surface.prepared import described_part
 from sherd.threads import begun
 
-__all__ = ["STAGES", "overlap"]
+__all__ = [
+    "STAGES",
+    "check_overlap_sizes",
+    "overlap",
+    "prepare_both_ways",
+    "questions_of",
+    "shared_by",
+]
 
 STAGES = ("first shape", "second shape", "scale", "labels", "placement", "region")
 
@@ -119,21 +126,37 @@ def overlap(
         kept_shape(intakes[0], options.ignore_first, name="first"),
         kept_shape(intakes[1], options.ignore_second, name="second"),
     )
-    _check_sizes(shapes, options.factor)
+    check_overlap_sizes(shapes, options.factor)
     landmarks = landmarks_on(*shapes, options)
     with stages("first shape"):
         surfaces = _described(shapes, options.factor, landmarks)
-        second_prepared = begun(partial(_prepare, surfaces[1]))
-        _prepare(surfaces[0])
+        second_prepared = begun(partial(prepare_both_ways, surfaces[1]))
+        prepare_both_ways(surfaces[0])
     with stages("second shape"):
         second_prepared()
-    questions = _questions(surfaces, landmarks, unknown=options.scale == "unknown")
+    questions = questions_of(surfaces, landmarks, unknown=options.scale == "unknown")
     with stages("scale"):
         estimate = _scale(questions, options)
         scale = options.factor * estimate.factor
         if estimate.factor != 1.0:
             surfaces = _described(shapes, scale, landmarks)
-            questions = _questions(surfaces, landmarks, unknown=True)
+            questions = questions_of(surfaces, landmarks, unknown=True)
+    return shared_by(shapes, surfaces, questions, options, stages, scale=scale, estimate=estimate)
+
+
+def shared_by(
+    shapes: Both[KeptShape],
+    surfaces: Both[DescribedSurface],
+    questions: Both[Question],
+    options: OverlapOptions,
+    stages: Stages,
+    *,
+    scale: float = 1.0,
+    estimate: ScaleEstimate = SAME,
+) -> Overlap:
+    """What two described shapes share: the second half of the method; see :func:`overlap`."""
+    intakes = (shapes[0].intake, shapes[1].intake)
+    landmarks = landmarks_on(*shapes, options)
     with stages("labels"):
         problems = _problems(questions, options.seed)
         rngs = (np.random.default_rng(options.seed + 1), np.random.default_rng(options.seed + 1))
@@ -182,7 +205,7 @@ def overlap(
     )
 
 
-def _check_sizes(shapes: Both[KeptShape], factor: float) -> None:
+def check_overlap_sizes(shapes: Both[KeptShape], factor: float) -> None:
     """Refuse shapes without area and pairs of which one is a dot beside the other."""
     check_areas(*(shape.mesh for shape in shapes))
     ratio = shapes[1].mesh.area * factor**2 / shapes[0].mesh.area
@@ -206,7 +229,7 @@ def _described(shapes: Both[KeptShape], scale: float, landmarks: Ints) -> Both[D
     )
 
 
-def _questions(
+def questions_of(
     surfaces: Both[DescribedSurface], landmarks: Ints, *, unknown: bool
 ) -> Both[Question]:
     """The second shape on the first, and the first on the second."""
@@ -240,7 +263,7 @@ def _problems(questions: Both[Question], seed: int) -> Both[Problem]:
     return (there, back)
 
 
-def _prepare(surface: DescribedSurface) -> None:
+def prepare_both_ways(surface: DescribedSurface) -> None:
     """Compute now what is needed on first use."""
     _ = (surface.spectra, surface.dense, surface.sparse)
 

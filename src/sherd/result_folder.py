@@ -6,6 +6,7 @@ import contextlib
 import hashlib
 import json
 import os
+import re
 import secrets
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -16,7 +17,15 @@ from typing import Any, Self
 from sherd.errors import OutputError
 from sherd.output import reported, require_writable
 
-__all__ = ["NAMES", "RESULT", "ResultFolder", "ResultKind", "kind_of", "replaceable_files"]
+__all__ = [
+    "NAMES",
+    "RESULT",
+    "ResultFolder",
+    "ResultKind",
+    "inside_name",
+    "kind_of",
+    "replaceable_files",
+]
 
 RESULT = "result.json"
 # Whatever a result may consist of: a file of such a name is never taken for the user's own.
@@ -25,10 +34,15 @@ NAMES = frozenset(
         RESULT, "report.html", "region.csv", "region.ply", "region.png", "part.ply", "full.ply",
         "correspondence.csv", "correspondence.corr", "correspondence.map", "correspondence.vts",
         "match.png", "alternatives.npz", "inverse.csv", "first_region.csv",
-        "second_region.csv", "first.ply", "second.ply", "overlap.png",
+        "second_region.csv", "first.ply", "second.ply", "overlap.png", "labels.csv",
+        "assembly.png", "pairs.csv", "partners.csv",
         "full.vtp", "part.vtp", "result.glb", "result.npz", "result.mat",
     }
 )  # fmt: skip
+
+
+# Where the files of one of several pieces are.
+PIECE_FOLDER = re.compile(r"piece_\d+")
 
 
 @dataclass(frozen=True)
@@ -57,6 +71,11 @@ def kind_of(document: Mapping[str, Any]) -> ResultKind:
     KeyError, TypeError
         If it is none.
     """
+    if "pieces" in document:
+        pieces = ", ".join(str(piece["name"]) for piece in document["pieces"])
+        full = document["full"]
+        name = "nothing" if full is None else str(full["name"])
+        return ResultKind(str(document["format"]), name, pieces)
     names = ("first", "second") if "first" in document else ("full", "part")
     shapes = (str(document[name]["name"]) for name in names)
     return ResultKind(str(document["format"]), *shapes)
@@ -101,7 +120,7 @@ def replaceable_files(
             path.name
             for path in target.iterdir()
             if not path.name.startswith(".") and (path.is_file() or path.name in NAMES)
-        }
+        } | _in_piece_folders(target, kind)
     old = _stored(target)
     if overwrite:
         return () if old is None else old[1]
@@ -113,10 +132,39 @@ def replaceable_files(
         return ()
     if not old[0].like(kind):
         raise _taken(target, str(old[0]))
-    foreign = sorted((present & NAMES) - set(old[1]) - {RESULT} - set(own))
+    named = {name for name in present if Path(name).name in NAMES}
+    foreign = sorted(named - set(old[1]) - {RESULT} - set(own))
     if foreign:
         raise _taken(target, f"{', '.join(foreign)}, which its {RESULT} does not name")
     return old[1]
+
+
+def inside_name(name: str) -> str:
+    """A file's name inside a result folder, at most one folder deep, as ``result.json`` has it.
+
+    Whatever else a damaged or hostile ``result.json`` says stays inside the folder.
+
+    Examples
+    --------
+    >>> inside_name("piece_0/part.ply"), inside_name("../part.ply"), inside_name("/etc/passwd")
+    ('piece_0/part.ply', 'part.ply', 'passwd')
+    """
+    parts = name.split("/")
+    if len(parts) == 2 and PIECE_FOLDER.fullmatch(parts[0]) and parts[1] not in ("", ".", ".."):
+        return name
+    return Path(name).name
+
+
+def _in_piece_folders(folder: Path, kind: ResultKind) -> set[str]:
+    """Files in folders of single pieces, of which only some kinds of results have any."""
+    if not kind.file_format.startswith("sherd assembly"):
+        return set()
+    with reported(folder):
+        return {
+            f"{path.parent.name}/{path.name}"
+            for path in folder.glob("piece_*/*")
+            if PIECE_FOLDER.fullmatch(path.parent.name) and path.name in NAMES
+        }
 
 
 def _taken(folder: Path, what: str) -> OutputError:
@@ -131,7 +179,7 @@ def _stored(folder: Path) -> tuple[ResultKind, tuple[str, ...]] | None:
     try:
         document = json.loads((folder / RESULT).read_text(encoding="utf-8"))
         kind = kind_of(document)
-        files = [Path(name).name for name in document["files"]]
+        files = [inside_name(name) for name in document["files"]]
     except (OSError, ValueError, KeyError, TypeError):
         return None
     if not kind.file_format.startswith("sherd "):
@@ -166,6 +214,7 @@ class ResultFolder:
         self.path = Path(path)
         self._replaced = tuple(replaced)
         self._made: list[Path] = []
+        self._inside: list[Path] = []
         self._staged: dict[str, Path] = {}
         self._hashes: dict[str, str] = {}
 
@@ -185,14 +234,19 @@ class ResultFolder:
         for temporary in self._staged.values():
             with contextlib.suppress(OSError):
                 temporary.unlink()
-        for folder in self._made:
+        for folder in (*self._inside, *self._made):
             with contextlib.suppress(OSError):
                 folder.rmdir()  # fails, as it should, unless empty
 
     def add(self, name: str, content: bytes | str) -> None:
-        """Stage one file; text is written as UTF-8."""
+        """Stage one file, by its name or that of a piece's folder and its own; text is UTF-8."""
         data = content.encode("utf-8") if isinstance(content, str) else content
-        temporary = self.path / f".{name}-{secrets.token_hex(4)}.partial"
+        target = self.path / inside_name(name)
+        temporary = target.with_name(f".{target.name}-{secrets.token_hex(4)}.partial")
+        if target.parent != self.path and not target.parent.exists():
+            with reported(target):
+                target.parent.mkdir()
+            self._inside.append(target.parent)
         self._staged[name] = temporary
         self._hashes[name] = hashlib.sha256(data).hexdigest()
         with reported(self.path / name):
@@ -214,6 +268,10 @@ class ResultFolder:
         for name in set(self._replaced) - set(self._hashes):
             with reported(self.path / name):
                 (self.path / name).unlink(missing_ok=True)
+        folders = {(self.path / name).parent for name in self._replaced} - {self.path}
+        for folder in sorted(folders):
+            with contextlib.suppress(OSError):
+                folder.rmdir()  # fails, as it should, unless empty
 
 
 def _write_through(path: Path, data: bytes) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shlex
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -13,19 +13,24 @@ from click.shell_completion import CompletionItem
 
 from sherd.errors import OutputError
 from sherd.output import require_writable
+from sherd.report.stored.folder import ASSEMBLY_FORMAT, JOINED_FORMAT
 from sherd.result_folder import NAMES, ResultKind, replaceable_files
 from sherd.results.locate_result import LocateResult
 from sherd.results.match_options import SCALES
 from sherd.results.match_result import MatchResult
 from sherd.results.overlap_result import Overlap
+from sherd.results.puzzle.assembly import Assembly
+from sherd.results.puzzle.joined import Joined
 from sherd.scan.intake import mesh_intake
 from sherd.surface.template import Template
 
 __all__ = [
     "ScaleType",
     "check_outputs",
+    "check_piece_outputs",
     "command_line",
     "show_notices",
+    "show_piece_notices",
     "stored_template",
 ]
 
@@ -81,6 +86,56 @@ def check_outputs(
     replaceable_files(folder, question, overwrite=overwrite, own=own)
     if template is not None and not template.exists():
         require_writable(template)
+
+
+def check_piece_outputs(
+    folder: Path,
+    full: Path | None,
+    pieces: Sequence[Path],
+    *,
+    overwrite: bool,
+    template: Path | None = None,
+) -> None:
+    """As :func:`check_outputs`, for a whole and its pieces, or for pieces without one.
+
+    Raises
+    ------
+    OutputError
+        If the folder or the template file cannot be written, the folder is not free for this
+        result, or a shape lies there under a name that the result needs.
+    """
+    for mesh in pieces if full is None else (full, *pieces):
+        inside = mesh.resolve().is_relative_to(folder.resolve())
+        if mesh.name in NAMES and inside:
+            raise OutputError(f"{mesh}: would be replaced by the result; choose another folder")
+    names = ", ".join(piece.name for piece in pieces)
+    question = (
+        ResultKind(JOINED_FORMAT, "nothing", names)
+        if full is None
+        else ResultKind(ASSEMBLY_FORMAT, full.name, names)
+    )
+    replaceable_files(folder, question, overwrite=overwrite)
+    if template is not None and not template.exists():
+        require_writable(template)
+
+
+def show_piece_notices(result: Assembly | Joined, *, quiet: bool) -> None:
+    """As :func:`show_notices`, of a whole and its pieces."""
+    if quiet:
+        return
+    if isinstance(result, Joined):
+        said = [(p.name, texts) for p, texts in zip(result.pieces, result.notices, strict=True)]
+    else:
+        said = [(result.full.name, result.notices)]
+        said += [
+            (piece.part.name, piece.match.notices["part"])
+            for piece in result.pieces
+            if piece.match is not None
+        ]
+    for name, texts in said:
+        for text in texts:
+            note = click.style("note:", fg="yellow")
+            click.echo(f"{note} {name}: {text}", err=True)
 
 
 def show_notices(result: MatchResult | LocateResult | Overlap, *, quiet: bool) -> None:

@@ -21,6 +21,11 @@ COMMANDS = {
         "overlap_command",
         "Find what two incomplete shapes share.",
     ),
+    "assemble": (
+        "sherd.cli.assembling",
+        "assemble_command",
+        "Find where all pieces of a puzzle belong.",
+    ),
     "view": ("sherd.cli.viewing", "view_command", "Open a report again, or draw it as PNG."),
     "transfer": (
         "sherd.cli.transferring",
@@ -29,7 +34,7 @@ COMMANDS = {
     ),
     "check": ("sherd.cli.checking", "check_command", "Say what is wrong with a mesh."),
     "demo": ("sherd.cli.demo", "demo_command", "See it work on a generated animal."),
-    "bench": ("sherd.cli.bench.commands", "bench_group", "Measure accuracy and speed."),
+    "bench": ("sherd.cli.bench.group", "bench_group", "Measure accuracy and speed."),
 }
 
 
@@ -62,6 +67,7 @@ def main(**_: Any) -> None:
       sherd match template.ply scan.ply -o out/
       sherd locate template.ply scan.ply -o out/
       sherd overlap left.ply right.ply -o out/
+      sherd assemble template.ply piece*.ply -o out/
       sherd view out/ --png
       sherd check scan.obj
     """  # noqa: D301

@@ -6,11 +6,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from sherd.arrays import Floats, Ints
+from sherd.arrays import Bools, Floats, Ints
 from sherd.correspondence.labels.labeling_data import Comparison
 from sherd.surface.described import DescribedSurface
 
 __all__ = ["NO_PINS", "Pins", "Question"]
+
+# A pin holds one vertex as firmly as the surface is held, against all its neighbors.
+PIN_LENGTH = 0.002
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,11 +28,14 @@ class Pins:
         (p, 3) where they belong, in the frame of the full shape.
     landmarks
         (p, 2) vertices of the part and of the full shape, as the user counts.
+    length
+        How firmly they hold: against neighbors that pull farther than this.
     """
 
     vertices: Ints
     positions: Floats
     landmarks: Ints
+    length: float = PIN_LENGTH
 
 
 NO_PINS = Pins(np.empty(0, dtype=np.int64), np.empty((0, 3)), np.empty((0, 2), dtype=np.int64))
@@ -48,12 +54,16 @@ class Question:
         How lengths and directions are compared.
     pins
         Landmarks.
+    free
+        (n,) bool, vertices of the full shape's working mesh where nodes may be placed, since
+        nothing else lies there; all if None.
     """
 
     full: DescribedSurface
     part: DescribedSurface
     comparison: Comparison
     pins: Pins = NO_PINS
+    free: Bools | None = None
 
     def with_part(self, part: DescribedSurface) -> Question:
         """The same question about another part, such as the mirror image."""

@@ -46,8 +46,6 @@ SIMILAR_LIMIT = 0.02
 SURFACE_LENGTH = 0.006
 # Along the surface it slides; so little of the hold keeps the system definite.
 ALONG = 1e-4
-# A pin holds one vertex as firmly as the surface is held, against all its neighbors.
-PIN_LENGTH = 0.002
 # Skin stretches by some percent everywhere and by much more in the creases of joints.
 STRAIN = 0.1
 CG_TOLERANCE, CG_LIMIT = 1e-3, 200
@@ -182,7 +180,7 @@ def _relaxed(
     """
     part, pins = question.part, question.pins
     if len(pins.vertices):
-        weight = part.mesh.area / part.mesh.vertex_count / PIN_LENGTH**2
+        weight = part.mesh.area / part.mesh.vertex_count / pins.length**2
         data[pins.vertices] += weight * np.eye(3)
         pull[pins.vertices] += weight * pins.positions
     strain = elastic_strain(part, deformation)

@@ -25,6 +25,8 @@ from sherd.surface.described import LEAST_TRUST, RADII
 __all__ = [
     "Queries",
     "WorkingPlacement",
+    "judged_placement",
+    "look_inside",
     "mirrored_queries",
     "part_queries",
     "placement_from_labeling",
@@ -113,9 +115,9 @@ def placement_from_labeling(
     the region is known, and the part slides once more, by neighborhoods inside it.
     """
     deformation = _by_neighborhoods(question, labeling, queries, FIRST_REACHES)
-    look = _look_inside(question, deformation, queries)
+    look = look_inside(question, deformation, queries)
     deformation = registered_to_surface(question, deformation, look, reaches=SECOND_REACHES)
-    return _judged(question, deformation, look)
+    return judged_placement(question, deformation, look)
 
 
 def rough_placement_from_labeling(
@@ -123,7 +125,7 @@ def rough_placement_from_labeling(
 ) -> WorkingPlacement:
     """As :func:`placement_from_labeling`, with one look only: enough to see and to judge it."""
     deformation = _by_neighborhoods(question, labeling, queries, FIRST_REACHES[:1])
-    return _judged(question, deformation, _look_inside(question, deformation, queries))
+    return judged_placement(question, deformation, look_inside(question, deformation, queries))
 
 
 def _by_neighborhoods(
@@ -137,7 +139,7 @@ def _by_neighborhoods(
     return registered_to_surface(question, deformation, look, reaches=reaches)
 
 
-def _look_inside(question: Question, deformation: Deformation, queries: Queries) -> Look:
+def look_inside(question: Question, deformation: Deformation, queries: Queries) -> Look:
     """Of the full shape only what the part covers is seen, so all neighborhoods are complete."""
     full = question.full
     seen = full.finder.covered_vertices(deformation.positions, question.part.mesh.faces)
@@ -145,7 +147,7 @@ def _look_inside(question: Question, deformation: Deformation, queries: Queries)
     return Look(queries.vertices, full.spectra_within(seen), queries.plain, trust)
 
 
-def _judged(question: Question, deformation: Deformation, look: Look) -> WorkingPlacement:
+def judged_placement(question: Question, deformation: Deformation, look: Look) -> WorkingPlacement:
     """The finished placement with its points, its region and its score."""
     full, part = question.full, question.part
     _, _, similarity = similar_places(full, deformation.positions, look, reach=ANSWER_REACH)

@@ -7,6 +7,7 @@ from scipy.spatial import cKDTree
 
 from sherd.arrays import Floats
 from sherd.drawing.exhibit import Exhibit
+from sherd.mesh.geometry import closest_rotation
 
 __all__ = ["rotation_to_full"]
 
@@ -34,7 +35,7 @@ def rotation_to_full(exhibit: Exhibit) -> Floats:
     if partner is not None and partner.known.sum() >= LEAST_MATCHES:
         known = partner.known
         targets = partner.points.positions(full)[known]
-        return _kabsch(part.vertices[known], targets, part.vertex_areas[known])
+        return closest_rotation(part.vertices[known], targets, part.vertex_areas[known])
     region = np.asarray(exhibit.region)
     if region.sum() < LEAST_MATCHES:
         return np.eye(3)
@@ -53,7 +54,7 @@ def _closest_rotation(source: Floats, target: Floats) -> Floats:
         rotation = start
         for _ in range(ROUNDS):
             _, nearest = tree.query(source @ rotation.T)
-            rotation = _kabsch(source, target[nearest], np.ones(len(source)))
+            rotation = closest_rotation(source, target[nearest], np.ones(len(source)))
         turned = source @ rotation.T
         forward, backward = tree.query(turned)[0], cKDTree(turned).query(target)[0]
         error = float(np.mean(np.square(forward)) + np.mean(np.square(backward)))
@@ -62,16 +63,6 @@ def _closest_rotation(source: Floats, target: Floats) -> Floats:
         if error < best_error:
             best, best_error = rotation, error
     return best
-
-
-def _kabsch(source: Floats, target: Floats, weights: Floats) -> Floats:
-    weights = weights + 1e-300
-    source = source - np.average(source, axis=0, weights=weights)
-    target = target - np.average(target, axis=0, weights=weights)
-    left, _, right = np.linalg.svd(target.T @ (weights[:, None] * source))
-    flip = np.diag([1.0, 1.0, np.sign(np.linalg.det(left @ right))])
-    rotation: Floats = left @ flip @ right
-    return rotation
 
 
 def _principal_axes(points: Floats) -> Floats:

@@ -67,11 +67,9 @@ def _entries(layer: Layer) -> list[tuple[str, tuple[int, int, int]]]:
     if layer.kind == "mask":
         return [("outside", MASK_COLORS[0]), ("inside", MASK_COLORS[1])]
     present = [int(value) for value in np.unique(layer.values) if value >= 0][:8]
+    palette = layer.palette or CATEGORY_COLORS
     names = [layer.labels[k] if k < len(layer.labels) else str(k) for k in present]
-    return [
-        (name, CATEGORY_COLORS[k % len(CATEGORY_COLORS)])
-        for name, k in zip(names, present, strict=True)
-    ]
+    return [(name, palette[k % len(palette)]) for name, k in zip(names, present, strict=True)]
 
 
 def _draw_bar(

@@ -123,7 +123,7 @@ def layer_colors(layer: Layer | None, count: int) -> Bytes:
         masked: Bytes = np.array(MASK_COLORS, dtype=np.uint8)[layer.values.astype(np.int64)]
         return masked
     if layer.kind == "category":
-        palette = np.array(CATEGORY_COLORS, dtype=np.uint8)
+        palette = np.array(layer.palette or CATEGORY_COLORS, dtype=np.uint8)
         chosen: Bytes = palette[layer.values % len(palette)]
         chosen[layer.values < 0] = UNKNOWN
         return chosen

@@ -51,6 +51,9 @@ class Layer:
     carried
         True for a layer of the full shape that the part shows as well, through its partner. If
         it consists of colors, points of the full shape outside the region are gray.
+    palette
+        Colors of the categories by number, 0..255; those that all pages share if empty. A page has
+        one palette, so all layers that name one must name the same.
 
     Raises
     ------
@@ -69,6 +72,7 @@ class Layer:
     description: str = ""
     labels: tuple[str, ...] = ()
     carried: bool = False
+    palette: tuple[tuple[int, int, int], ...] = ()
 
     def __post_init__(self) -> None:
         if self.kind not in get_args(LayerKind):
@@ -283,6 +287,11 @@ class Exhibit:
         What `full` and `part` are called.
     up
         Which direction of the full shape's file points up; guessed when None.
+    part_stands
+        Whether the part is shown as its coordinates are, beside the full shape in its own; if not,
+        it is turned toward its place first.
+    part_numbers
+        (n_part,) what vertices of the part are called; by their number when None.
 
     Raises
     ------
@@ -310,6 +319,8 @@ class Exhibit:
     curve: SharedCurve | None = None
     names: tuple[str, str] = ("Full shape", "Part")
     up: tuple[float, float, float] | None = None
+    part_stands: bool = False
+    part_numbers: Ints | None = None
 
     def __post_init__(self) -> None:
         anchors = np.empty((0, 2)) if self.anchors is None else np.asarray(self.anchors)

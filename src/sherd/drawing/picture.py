@@ -66,7 +66,8 @@ def stage(exhibit: Exhibit) -> Staging:
     up = upward(exhibit.full) if exhibit.up is None else np.array(exhibit.up, dtype=np.float64)
     up = up / np.linalg.norm(up)
     view = best_view(exhibit.full, np.asarray(exhibit.region), up)
-    return Staging(view, rotation_to_full(exhibit), up)
+    turn = np.eye(3) if exhibit.part_stands else rotation_to_full(exhibit)
+    return Staging(view, turn, up)
 
 
 def picture(

@@ -11,6 +11,7 @@ from sherd.arrays import Floats, Ints
 
 __all__ = [
     "barycentric_vertex_areas",
+    "closest_rotation",
     "edge_lengths",
     "face_areas",
     "face_cross",
@@ -65,3 +66,33 @@ def _normalized(rows: Floats) -> Floats:
     length = np.linalg.norm(rows, axis=1, keepdims=True)
     unit: Floats = np.divide(rows, length, out=np.zeros_like(rows), where=length > 0)
     return unit
+
+
+def closest_rotation(source: Floats, target: Floats, weights: Floats) -> Floats:
+    """Proper rotation (3, 3) R of least `sum w |R (x - mean x) - (y - mean y)|^2`.
+
+    Parameters
+    ----------
+    source, target
+        (p, 3) points x and y.
+    weights
+        (p,) at least 0.
+
+    References
+    ----------
+    Kabsch, *A solution for the best rotation to relate two sets of vectors*, 1976.
+
+    Examples
+    --------
+    >>> points = np.eye(3)
+    >>> quarter = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    >>> np.allclose(closest_rotation(points, points @ quarter.T, np.ones(3)), quarter)
+    True
+    """
+    weights = weights + 1e-300
+    source = source - np.average(source, axis=0, weights=weights)
+    target = target - np.average(target, axis=0, weights=weights)
+    left, _, right = np.linalg.svd(target.T @ (weights[:, None] * source))
+    flip = np.diag([1.0, 1.0, np.sign(np.linalg.det(left @ right))])
+    rotation: Floats = left @ flip @ right
+    return rotation

@@ -31,7 +31,7 @@ from sherd.results.match_result import MatchResult
 from sherd.results.placement import Placement
 from sherd.results.status import Status
 
-__all__ = ["match_report"]
+__all__ = ["correspondence_csv", "match_report"]
 
 # So many pairs of the surest points are drawn as lines: enough to follow, few enough to see.
 ANCHOR_COUNT = 60
@@ -44,7 +44,7 @@ def match_report(result: MatchResult, *, command: str = "", errors: Floats | Non
     colors = full_layer(exhibit, exhibit.full_layers[0].name) or exhibit.full_layers[0]
     carried = part_layer(exhibit, colors.name) or colors
     files: dict[str, str | bytes] = {
-        "correspondence.csv": _correspondence_csv(result),
+        "correspondence.csv": correspondence_csv(result),
         "correspondence.corr": corr_text(_partner(result)),
         "region.csv": region_csv(result.best),
         "full.ply": painted_ply(result.full, exhibit.full_layers, painted=colors),
@@ -55,7 +55,7 @@ def match_report(result: MatchResult, *, command: str = "", errors: Floats | Non
     return Report(document, exhibit, files, picture_name="match.png")
 
 
-def _correspondence_csv(result: MatchResult) -> str:
+def correspondence_csv(result: MatchResult) -> str:
     """``part_vertex,full_face,b0,b1,b2,full_vertex,matched,confidence``, from 0, a row each."""
     points = result.points
     return table_csv(

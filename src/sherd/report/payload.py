@@ -99,7 +99,7 @@ def payload(thinned: Thinned, staging: Staging) -> tuple[dict[str, Any], str]:
     """Everything the page draws: a description for JSON, and the packed arrays as base64."""
     exhibit, block = thinned.exhibit, Block()
     full = _shape(block, exhibit.full, (thinned.full_numbers, thinned.full_owners), np.eye(3))
-    part_counting = thinned.part_numbers, thinned.part_owners
+    part_counting = _part_numbers(thinned), thinned.part_owners
     part = _shape(block, exhibit.part, part_counting, staging.part_rotation)
     best: dict[str, Any] = {
         "name": "Best placement",
@@ -140,7 +140,7 @@ def payload(thinned: Thinned, staging: Staging) -> tuple[dict[str, Any], str]:
             "neutral": NEUTRAL,
             "unknown": UNKNOWN,
             "mask": MASK_COLORS,
-            "category": CATEGORY_COLORS,
+            "category": _palette(exhibit),
         },
         "tables": {
             name: block.add(color_table(name), 1, delta=False) for name in sorted(_maps(exhibit))
@@ -175,6 +175,13 @@ def _shape(
         "orientation": orientation(mesh),
         "rotation": rotation.ravel().tolist(),
     }
+
+
+def _part_numbers(thinned: Thinned) -> Ints | None:
+    own = thinned.exhibit.part_numbers
+    if own is None or thinned.part_numbers is None:
+        return thinned.part_numbers if own is None else own
+    return own[thinned.part_numbers]
 
 
 def _layer(block: Block, layer: Layer) -> dict[str, Any]:
@@ -221,6 +228,11 @@ def _partner(block: Block, exhibit: Exhibit, partner: Partner | None) -> dict[st
 
 def _region(block: Block, region: Bools | None) -> dict[str, Any] | None:
     return None if region is None else block.add(region, 1, delta=False)
+
+
+def _palette(exhibit: Exhibit) -> tuple[tuple[int, int, int], ...]:
+    layers = (*exhibit.full_layers, *exhibit.part_layers)
+    return next((layer.palette for layer in layers if layer.palette), CATEGORY_COLORS)
 
 
 def _maps(exhibit: Exhibit) -> set[str]:

@@ -14,18 +14,22 @@ from sherd.report.html import page
 from sherd.report.locate_report import locate_report
 from sherd.report.match_report import match_report
 from sherd.report.overlap_report import overlap_report
+from sherd.report.puzzle.assembly_report import assembly_report
+from sherd.report.puzzle.joined_report import joined_report
 from sherd.report.stored.folder import plain
 from sherd.result_folder import ResultFolder, kind_of, replaceable_files
 from sherd.results.locate_result import LocateResult
 from sherd.results.match_result import MatchResult
 from sherd.results.overlap_result import Overlap
+from sherd.results.puzzle.assembly import Assembly
+from sherd.results.puzzle.joined import Joined
 from sherd.threads import begun
 
 __all__ = ["report_of", "write_report"]
 
 
 def write_report(
-    result: MatchResult | LocateResult | Overlap,
+    result: MatchResult | LocateResult | Overlap | Assembly | Joined,
     folder: str | os.PathLike[str],
     *,
     command: str = "",
@@ -38,7 +42,8 @@ def write_report(
     Parameters
     ----------
     result
-        Of :func:`sherd.match`, :func:`sherd.locate` or :func:`sherd.overlap`.
+        Of :func:`sherd.match`, :func:`sherd.locate`, :func:`sherd.overlap`,
+        :func:`sherd.assemble` or :func:`sherd.join`.
     folder
         Made when missing. An older result of the same command for shapes of the same names is
         replaced, and those of its files that the new result does not have are removed.
@@ -97,7 +102,7 @@ def write_report(
 
 
 def report_of(
-    result: MatchResult | LocateResult | Overlap,
+    result: MatchResult | LocateResult | Overlap | Assembly | Joined,
     *,
     command: str = "",
     errors: Floats | None = None,
@@ -105,10 +110,16 @@ def report_of(
     """What there is to write of a result, and to show."""
     if isinstance(result, MatchResult):
         return match_report(result, command=command, errors=errors)
-    if not isinstance(result, LocateResult | Overlap):
-        raise InputError(f"a {type(result).__name__} is no result of match, locate or overlap")
+    if not isinstance(result, LocateResult | Overlap | Assembly | Joined):
+        raise InputError(
+            f"a {type(result).__name__} is no result of match, locate, overlap or assemble"
+        )
     if errors is not None:
         raise InputError("errors are of the points of a match; a region has none")
     if isinstance(result, Overlap):
         return overlap_report(result, command=command)
+    if isinstance(result, Joined):
+        return joined_report(result, command=command)
+    if isinstance(result, Assembly):
+        return assembly_report(result, command=command)
     return locate_report(result, command=command)

@@ -30,6 +30,7 @@ from sherd.spectral.subdivision import split_edges
 __all__ = [
     "Fragment",
     "cut_by_ball",
+    "cut_by_level",
     "cut_by_plane",
     "cut_in_pieces",
     "decimated",
@@ -159,6 +160,25 @@ def punch_holes(
         center = int(rng.choice(len(areas), p=areas / areas.sum()))
         fragment = _taken(fragment, *clip(fragment.mesh, -_inside_ball(fragment, center, radius)))
     return largest_piece(fragment)
+
+
+def cut_by_level(fragment: Fragment, values: ArrayLike) -> Fragment:
+    """Where `values`, one for each vertex and linear on each face, are positive.
+
+    Raises
+    ------
+    InputError
+        If there is not one value for each vertex.
+    InfeasibleError
+        If nothing is positive.
+    """
+    level = np.asarray(values, dtype=np.float64)
+    if level.shape != (fragment.mesh.vertex_count,):
+        raise InputError(
+            f"values have shape {level.shape}, but {fragment.mesh.name} has "
+            f"{fragment.mesh.vertex_count} vertices"
+        )
+    return _taken(fragment, *clip(fragment.mesh, level))
 
 
 def cut_in_pieces(fragment: Fragment, count: int, *, width: float) -> Fragment:

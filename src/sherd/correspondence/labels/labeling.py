@@ -207,7 +207,7 @@ def labeling_problem(question: Question, similarity: Singles, rng: np.random.Gen
     nodes, depth = part.sparse, part.cut_distance[part.sparse.vertices]
     edges = _edges(nodes, part.mesh.vertices[nodes.vertices], rng)
     measures = _measures(edges, nodes, depth)
-    return Problem(question, similarity, edges, measures, _contradicting(question))
+    return Problem(question, similarity, edges, measures, _forbidden(question))
 
 
 def unary_cost(problem: Problem, labels: Ints, rotations: Floats, step: float) -> Floats:
@@ -378,6 +378,17 @@ def _local_cost(problem: Problem, paid: Floats, both: Bools) -> Floats:
     number = sum(np.bincount(end, minlength=count) for end in ends)
     result: Floats = total / np.maximum(number, 1)
     return result
+
+
+def _forbidden(question: Question) -> Bools:
+    """Labels (k, s) that contradict a pin or lie where something else does."""
+    forbidden = _contradicting(question)
+    if question.free is not None:
+        taken = ~question.free[question.full.dense.vertices]
+        if not taken.all():  # where all is taken nothing can be said of the places
+            forbidden |= taken
+            forbidden[forbidden.all(axis=1)] = taken
+    return forbidden
 
 
 def _contradicting(question: Question) -> Bools:

@@ -11,14 +11,24 @@ from typing import Any
 
 import numpy as np
 
-from sherd.result_folder import RESULT
+from sherd.result_folder import RESULT, inside_name
 
-__all__ = ["MATCH_FORMAT", "OVERLAP_FORMAT", "REGION_FORMAT", "folder_problems", "plain"]
+__all__ = [
+    "ASSEMBLY_FORMAT",
+    "JOINED_FORMAT",
+    "MATCH_FORMAT",
+    "OVERLAP_FORMAT",
+    "REGION_FORMAT",
+    "folder_problems",
+    "plain",
+]
 
 # Of result.json; raise the number when a field changes its meaning.
 MATCH_FORMAT = "sherd match 1"
 REGION_FORMAT = "sherd region 1"
 OVERLAP_FORMAT = "sherd overlap 1"
+ASSEMBLY_FORMAT = "sherd assembly 1"
+JOINED_FORMAT = "sherd assembly-alone 1"
 
 
 def folder_problems(folder: str | os.PathLike[str]) -> tuple[str, ...]:
@@ -36,7 +46,7 @@ def folder_problems(folder: str | os.PathLike[str]) -> tuple[str, ...]:
         return (f"{target / RESULT} cannot be read ({error}); run again",)
     problems = []
     for name, expected in hashes.items():
-        file = target / Path(str(name)).name
+        file = target / inside_name(str(name))
         if not file.is_file():
             problems.append(f"{name} is missing; run again")
         elif _sha256(file) != expected:

@@ -1,4 +1,4 @@
-"""An output folder of `sherd match`, `locate` or `overlap` as something to look at again."""
+"""An output folder of any of the questions as something to look at again."""
 
 from __future__ import annotations
 
@@ -19,7 +19,15 @@ from sherd.files.mesh_files import read_mesh
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.report.known_layers import file_layers, located_part_layers, stored_layers
-from sherd.report.stored.folder import MATCH_FORMAT, OVERLAP_FORMAT, REGION_FORMAT, folder_problems
+from sherd.report.stored.folder import (
+    ASSEMBLY_FORMAT,
+    JOINED_FORMAT,
+    MATCH_FORMAT,
+    OVERLAP_FORMAT,
+    REGION_FORMAT,
+    folder_problems,
+)
+from sherd.report.stored.stored_assembly import assembly_exhibit, joined_stored_exhibit
 from sherd.report.stored.stored_match import read_match
 from sherd.results.status import Status
 
@@ -49,11 +57,15 @@ def read_exhibit(folder: str | os.PathLike[str]) -> Exhibit:
             return _region_exhibit(path, document)
         if kind == OVERLAP_FORMAT:
             return _overlap_exhibit(path, document)
+        if kind == ASSEMBLY_FORMAT:
+            return assembly_exhibit(path, document)
+        if kind == JOINED_FORMAT:
+            return joined_stored_exhibit(path, document)
     except SherdError:
         raise
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise InputError(f"{path}: cannot be read as a result ({error}); run again") from error
-    raise InputError(f"{path}: holds {kind!r}, no result of match, locate or overlap")
+    raise InputError(f"{path}: holds {kind!r}, no result of match, locate, overlap or assemble")
 
 
 def _match_exhibit(path: Path, document: Mapping[str, Any]) -> Exhibit:

@@ -1,0 +1,205 @@
+"""The answer of a puzzle: points, labels, memberships, gaps and contacts as the user counts."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from types import MappingProxyType
+
+import numpy as np
+
+from sherd.arrays import Floats, Ints
+from sherd.match import PlacedPart, match_result
+from sherd.output import Stages
+from sherd.puzzle.borders import fits_of
+from sherd.puzzle.joint_choice import shared_areas
+from sherd.puzzle.partition import GAP, Partition
+from sherd.puzzle.trials import Trial, clashes
+from sherd.region.coverage import smoothed
+from sherd.results.puzzle.assemble_options import AssembleOptions
+from sherd.results.puzzle.assembly import Assembly, Contact, Gap, PieceAnswer, SharedPlace
+from sherd.results.status import Status
+from sherd.scan.intake import Intake
+from sherd.surface.template import Template
+
+__all__ = ["AssemblyQuestion", "Decision", "assembly_of"]
+
+# Two pieces share a place if that is more than a strip two vertex spacings wide along a border as
+# long as the smaller one is wide; below it borders are merely inexact. As a share of the smaller.
+SHARED = 0.05
+
+
+@dataclass(frozen=True, eq=False)
+class AssemblyQuestion:
+    """What was asked.
+
+    Attributes
+    ----------
+    template, pieces
+        The full shape and the pieces as they came in.
+    partition
+        Of the full shape.
+    options
+        As given.
+    """
+
+    template: Template
+    pieces: Sequence[Intake]
+    partition: Partition
+    options: AssembleOptions
+
+
+@dataclass(frozen=True, eq=False)
+class Decision:
+    """What was decided.
+
+    Attributes
+    ----------
+    trials
+        All that were made, the first of each piece being the one of it alone.
+    chosen, placed
+        By piece the trial that was chosen, and its placement with borders drawn together.
+    impossible
+        By piece why it cannot lie on the full shape at all.
+    energy
+        Of the joint choice.
+    """
+
+    trials: Sequence[Trial]
+    chosen: Mapping[int, Trial]
+    placed: Mapping[int, PlacedPart]
+    impossible: Mapping[int, str]
+    energy: float
+
+
+def assembly_of(question: AssemblyQuestion, decision: Decision, stages: Stages) -> Assembly:
+    """The answer, once it is known which pieces are placed, and where."""
+    template, placed = question.template, decision.placed
+    answers = [
+        _answer(piece, intake, decision, stages) for piece, intake in enumerate(question.pieces)
+    ]
+    with stages("partition"):
+        numbers = np.array([*placed, GAP], dtype=np.int64)
+        labels = numbers[question.partition.labels([part.best.mask for part in placed.values()])]
+        lift = template.intake.report.to_original
+        return Assembly(
+            full=template.full,
+            pieces=tuple(answers),
+            labels=np.asarray(lift(labels, fill=GAP), dtype=np.int64),
+            memberships=np.array(
+                [lift(row, fill=0.0) for row in _memberships(template, labels, len(answers))]
+            ),
+            gaps=_gaps(question, labels),
+            contacts=_contacts(question, labels, placed),
+            shared=_shared(template, placed),
+            energy=decision.energy,
+            timings=MappingProxyType(dict(stages.seconds)),
+            options=question.options,
+            notices=template.intake.notices,
+        )
+
+
+def _answer(piece: int, intake: Intake, decision: Decision, stages: Stages) -> PieceAnswer:
+    if piece in decision.impossible:
+        reason = decision.impossible[piece]
+        return PieceAnswer(intake.original, placed=False, reason=reason, chance=0.0)
+    if piece in decision.placed:
+        result = match_result(decision.placed[piece], stages)
+        motion = decision.chosen[piece].motion
+        return PieceAnswer(
+            result.part,
+            placed=True,
+            reason=result.advice,
+            chance=decision.chosen[piece].chance,
+            match=result,
+            transform=None if motion is None else motion.matrix,
+        )
+    alone = next(trial for trial in decision.trials if trial.piece == piece)
+    result = match_result(alone.placed, stages)
+    instead = None if result.status is Status.FOREIGN else _rival(alone, decision.chosen)
+    return PieceAnswer(
+        result.part,
+        placed=False,
+        reason=_refusal(alone.chance, instead),
+        chance=alone.chance,
+        match=result,
+        instead=instead,
+    )
+
+
+def _rival(alone: Trial, chosen: Mapping[int, Trial]) -> int | None:
+    """The placed piece that has most of the place where a piece would lie alone."""
+    others = list(chosen.values())
+    areas = alone.placed.template.placed.vertex_areas
+    rivals = clashes([alone, *others], areas).get(alone.piece, set())
+    core = alone.candidate.core
+    return max(rivals, key=lambda k: float(areas @ (core & chosen[k].candidate.core)), default=None)
+
+
+def _refusal(chance: float, instead: int | None) -> str:
+    if instead is not None:
+        return (
+            f"fits only where piece {instead} lies, which fits better; elsewhere nothing is alike "
+            "enough"
+        )
+    return (
+        f"does not belong: the chance that its best place is right is {chance:.2f}; ask with "
+        "another full shape, or look at it alone with sherd match"
+    )
+
+
+def _memberships(template: Template, labels: Ints, count: int) -> Floats:
+    """(k, n) soft memberships; with that of the gap they are at least 0 and sum to 1."""
+    soft = np.array([smoothed(template.placed, labels == k) for k in (*range(count), GAP)])
+    # each is smoothed by the same operator, so the sum is 1 but for the tolerance of the solver
+    result: Floats = (soft / soft.sum(axis=0))[:count]
+    return result
+
+
+def _gaps(question: AssemblyQuestion, labels: Ints) -> tuple[Gap, ...]:
+    template, partition = question.template, question.partition
+    area, owner = template.placed.vertex_areas, template.intake.report.original_vertices
+    unit = template.length**2
+    return tuple(
+        Gap(
+            area=float(area[some].sum()) * unit,
+            vertex=int(owner[partition.deepest(some)]),
+            vertex_count=len(some),
+        )
+        for some in partition.gaps(labels)
+    )
+
+
+def _contacts(
+    question: AssemblyQuestion, labels: Ints, placed: Mapping[int, PlacedPart]
+) -> tuple[Contact, ...]:
+    numbers, unit = list(placed), question.template.length
+    fits = fits_of(
+        [part.question for part in placed.values()], [part.best for part in placed.values()]
+    )
+    found = []
+    for (one, other), length in question.partition.touching(labels).items():
+        ends = (
+            (numbers.index(one), numbers.index(other)),
+            (numbers.index(other), numbers.index(one)),
+        )
+        gap = np.concatenate([fits[here].gap[fits[here].piece == there] for here, there in ends])
+        apart = float(np.abs(gap).mean()) * unit if len(gap) else float("nan")
+        open_by = float(gap.mean()) * unit if len(gap) else float("nan")
+        found.append(Contact(one, other, length * unit, apart, open_by))
+    return tuple(sorted(found, key=lambda contact: -contact.length))
+
+
+def _shared(template: Template, placed: Mapping[int, PlacedPart]) -> tuple[SharedPlace, ...]:
+    if not placed:
+        return ()
+    numbers, unit = list(placed), template.length**2
+    areas = template.placed.vertex_areas
+    table = shared_areas([part.best.mask for part in placed.values()], areas)
+    found = [
+        SharedPlace(numbers[here], numbers[there], float(table[here, there]) * unit)
+        for here in range(len(numbers))
+        for there in range(here + 1, len(numbers))
+        if table[here, there] > SHARED * min(table[here, here], table[there, there])
+    ]
+    return tuple(sorted(found, key=lambda place: -place.area))

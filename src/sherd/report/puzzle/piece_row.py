@@ -1,0 +1,97 @@
+"""Pieces laid out in tidy rows, each turned as it stands on the whole, as one mesh to look at."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from sherd.arrays import Floats, Ints
+from sherd.drawing.alignment import rotation_to_full
+from sherd.drawing.camera import best_view, upward
+from sherd.drawing.exhibit import Exhibit, Partner
+from sherd.mesh.triangle_mesh import TriangleMesh
+
+__all__ = ["PieceRow", "ShownPiece", "piece_row"]
+
+# Between neighbors, as a share of the largest extent of a piece.
+SPACE = 0.12
+# Rows are broken so that all together are about as wide as high times this: half a page.
+ASPECT = 1.2
+
+
+@dataclass(frozen=True, eq=False)
+class ShownPiece:
+    """One piece and its points on the full shape; None if it is refused."""
+
+    mesh: TriangleMesh
+    partner: Partner | None
+
+
+@dataclass(frozen=True, eq=False)
+class PieceRow:
+    """All pieces as one mesh.
+
+    Attributes
+    ----------
+    mesh
+        Of the pieces one after the other, in the order given.
+    owner
+        (n,) the piece of each vertex.
+    numbers
+        (n,) its number in its own piece.
+    """
+
+    mesh: TriangleMesh
+    owner: Ints
+    numbers: Ints
+
+
+def piece_row(full: TriangleMesh, pieces: Sequence[ShownPiece]) -> PieceRow:
+    """Lay the pieces out beside each other, in the order given, as one looks at the full shape."""
+    view = best_view(full, np.ones(full.vertex_count, dtype=bool), upward(full)).rotation
+    seen = [_turned(full, piece) @ view.T for piece in pieces]
+    low = [points.min(axis=0) for points in seen]
+    size = np.array([points.max(axis=0) - least for points, least in zip(seen, low, strict=True)])
+    space = SPACE * float(size.max())
+    corners = _corners(size[:, :2] + space)
+    places = []
+    for points, least, (x, y), extent in zip(seen, low, corners, size, strict=True):
+        # each stands on the line of its row, all in one depth
+        start = np.array([x, y, -0.5 * extent[2]])
+        places.append((points - least + start) @ view)
+    counts = [len(points) for points in places]
+    starts = np.cumsum([0, *counts[:-1]])
+    faces = [piece.mesh.faces + start for piece, start in zip(pieces, starts, strict=True)]
+    return PieceRow(
+        mesh=TriangleMesh(np.concatenate(places), np.concatenate(faces), name="pieces"),
+        owner=np.repeat(np.arange(len(pieces)), counts),
+        numbers=np.concatenate([np.arange(count) for count in counts]),
+    )
+
+
+def _turned(full: TriangleMesh, piece: ShownPiece) -> Floats:
+    """The piece's vertices, turned toward its place."""
+    if piece.partner is None:
+        return np.array(piece.mesh.vertices)
+    scene = Exhibit(piece.mesh.name, full, piece.mesh, partner=piece.partner)
+    turned: Floats = piece.mesh.vertices @ rotation_to_full(scene).T
+    return turned
+
+
+def _corners(size: Floats) -> list[tuple[float, float]]:
+    """The lower left corner of each box (k, 2), in rows from the top."""
+    wide = max(float(size[:, 0].max()), float(np.sqrt(ASPECT * size.prod(axis=1).sum())))
+    rows: list[list[int]] = [[]]
+    for k, width in enumerate(size[:, 0].tolist()):
+        if rows[-1] and float(size[rows[-1], 0].sum()) + width > wide:
+            rows.append([])
+        rows[-1].append(k)
+    found: list[tuple[float, float]] = []
+    bottom = 0.0
+    for row in rows:
+        bottom -= float(size[row, 1].max())
+        lefts = np.cumsum([0.0, *size[row[:-1], 0]]).tolist()
+        found += [(left, bottom) for left in lefts]
+    return found

@@ -1,0 +1,111 @@
+"""Joined: pieces without a whole, which belong together, and the maps between them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from sherd._version import __version__
+from sherd.arrays import FrozenState
+from sherd.errors import InvalidMeshError
+from sherd.mesh.triangle_mesh import TriangleMesh
+from sherd.results.display import table_html
+from sherd.results.overlap_result import SharedMap
+from sherd.results.puzzle.assemble_options import AssembleOptions
+
+__all__ = ["Joined", "PairAnswer"]
+
+
+@dataclass(frozen=True)
+class PairAnswer:
+    """What is known of two pieces.
+
+    Attributes
+    ----------
+    first, second
+        Their numbers, ascending.
+    evidence
+        Share of a few nodes that are worth more than chance on the other piece, in [0, 1]; cheap.
+    asked
+        Whether the pair was worth a full question.
+    chance
+        That what both share was found rightly; 0 if it was not asked.
+    joined
+        Whether both belong together by this pair.
+    """
+
+    first: int
+    second: int
+    evidence: float
+    asked: bool
+    chance: float
+    joined: bool
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Joined(FrozenState):
+    """The answer of :func:`sherd.join`; arrays are numbered as the user's pieces are.
+
+    Attributes
+    ----------
+    pieces
+        In the order given.
+    groups
+        Numbers of the pieces that belong together, largest group first; foreign ones are alone.
+    pairs
+        All pairs, those with most evidence first.
+    maps
+        By (here, there), of pieces of one group: the point of `there` for each vertex of `here`,
+        whether there is one, and how surely; made consistent around loops.
+    cycle_before, cycle_after
+        Mean distance between a vertex and where it comes back to around loops of three pieces, in
+        sqrt(area) of the largest piece, before and after; NaN without loops.
+    timings
+        Seconds by stage.
+    options, version
+        As given, and of sherd.
+    notices
+        What was adapted in each piece, in sentences.
+    """
+
+    pieces: tuple[TriangleMesh, ...]
+    groups: tuple[tuple[int, ...], ...]
+    pairs: tuple[PairAnswer, ...]
+    maps: Mapping[tuple[int, int], SharedMap]
+    cycle_before: float
+    cycle_after: float
+    timings: Mapping[str, float]
+    options: AssembleOptions
+    version: str = field(default=__version__)
+    notices: tuple[tuple[str, ...], ...] = ()
+
+    def __post_init__(self) -> None:
+        if sorted(k for group in self.groups for k in group) != list(range(len(self.pieces))):
+            raise InvalidMeshError("each piece belongs to exactly one group")
+        for (here, there), found in self.maps.items():
+            if len(found.points) != self.pieces[here].vertex_count:
+                raise InvalidMeshError(f"the map of piece {here} to {there} has another length")
+
+    def __repr__(self) -> str:
+        sizes = ", ".join(str(len(group)) for group in self.groups)
+        return f"Joined({len(self.pieces)} pieces in groups of {sizes})"
+
+    def _repr_html_(self) -> str:
+        rows = {
+            "groups": "; ".join(
+                ", ".join(self.pieces[k].name for k in group) for group in self.groups
+            ),
+            "pairs asked": str(sum(pair.asked for pair in self.pairs)),
+            "cycle error": f"{self.cycle_before:.4f} before, {self.cycle_after:.4f} after",
+        }
+        return table_html(f"{len(self.pieces)} pieces", rows)
+
+    @property
+    def group_of(self) -> tuple[int, ...]:
+        """(k,) the group of each piece."""
+        found = np.empty(len(self.pieces), dtype=np.int64)
+        for number, group in enumerate(self.groups):
+            found[list(group)] = number
+        return tuple(found.tolist())

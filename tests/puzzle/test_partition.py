@@ -1,0 +1,87 @@
+"""The partition: cracks, strips that two claim, and real gaps on a square."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from sherd.mesh.triangle_mesh import TriangleMesh
+from sherd.puzzle.partition import DELTA, GAP, Partition, border_depth, seam_lengths
+
+SIDE = 100
+
+
+@pytest.fixture(scope="module")
+def square() -> TriangleMesh:
+    """Unit area, vertices a hundredth apart, as on a mesh of 10,000."""
+    x, y = np.meshgrid(np.linspace(0, 1, SIDE + 1), np.linspace(0, 1, SIDE + 1), indexing="ij")
+    number = np.arange(x.size).reshape(x.shape)
+    a, b, c, d = number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]
+    faces = np.concatenate(
+        [np.stack([a, b, c], axis=2).reshape(-1, 3), np.stack([a, c, d], axis=2).reshape(-1, 3)]
+    )
+    return TriangleMesh(np.stack([x.ravel(), y.ravel(), np.zeros(x.size)], axis=1), faces)
+
+
+def test_a_strip_that_two_claim_is_cut_along_its_middle(square) -> None:
+    x = square.vertices[:, 0]
+    labels = Partition(square).labels([x < 0.52, x > 0.46])
+    assert (labels[x < 0.48] == 0).all()
+    assert (labels[x > 0.50] == 1).all()
+
+
+def test_a_narrow_crack_is_closed_and_a_wide_one_stays(square) -> None:
+    x = square.vertices[:, 0]
+    narrow = Partition(square).labels([x < 0.495, x > 0.505])
+    assert (narrow != GAP).all()
+    wide = Partition(square).labels([x < 0.4, x > 0.6])
+    assert np.array_equal(wide == GAP, (x >= 0.4) & (x <= 0.6))
+
+
+def test_a_ragged_border_becomes_short(square) -> None:
+    """Two rows of single vertices that stand out are given back."""
+    x, y = square.vertices[:, :2].T
+    teeth = (np.round(y * SIDE) % 2 == 0) & (np.abs(x - 0.51) < 0.004)
+    ragged = (x < 0.505) | teeth
+    partition = Partition(square)
+    labels = partition.labels([ragged, ~ragged])
+    length = partition.touching(labels)[0, 1]
+    before = partition.touching(np.where(ragged, 0, 1))[0, 1]
+    assert length < before
+    assert abs(length - 1.0) < 0.05
+
+
+def test_gaps_are_listed_by_area_with_a_vertex_inside(square) -> None:
+    x = square.vertices[:, 0]
+    partition = Partition(square)
+    labels = np.where((x < 0.1) | (x > 0.8), GAP, 0)
+    gaps = partition.gaps(labels)
+    assert len(gaps) == 2
+    assert square.vertex_areas[gaps[0]].sum() > square.vertex_areas[gaps[1]].sum()
+    assert labels[partition.deepest(gaps[0])] == GAP
+    assert x[partition.deepest(gaps[0])] == 1.0  # farthest from the only border
+
+
+def test_no_pieces_leave_all_to_the_gap_and_one_that_covers_all_leaves_none(square) -> None:
+    partition = Partition(square)
+    assert (partition.labels([]) == GAP).all()
+    assert (partition.labels([np.ones(square.vertex_count, dtype=bool)]) == 0).all()
+
+
+def test_depth_has_a_sign_and_an_end(square) -> None:
+    partition = Partition(square)
+    x = square.vertices[:, 0]
+    depth = border_depth(partition._paths, x < 0.5, DELTA)
+    assert (depth[x < 0.5] > 0).all()
+    assert (depth[x >= 0.5] < 0).all()
+    assert np.abs(depth).max() <= DELTA + 1e-12
+
+
+def test_seams_around_a_vertex_are_the_border_of_its_cell(square) -> None:
+    """On right triangles the dual of an edge is as long as the edge, that of a diagonal nothing."""
+    seams = seam_lengths(square)
+    lengths = np.linalg.norm(np.diff(square.vertices[square.edges], axis=1)[:, 0], axis=1)
+    diagonal = lengths > 1.2 * lengths.min()
+    assert np.abs(seams[diagonal]).max() < 1e-12
+    inside = ~diagonal & ((square.vertices[square.edges] % 1.0) > 0)[:, :, :2].all(axis=(1, 2))
+    assert np.abs(seams[inside] - lengths[inside]).max() < 1e-12

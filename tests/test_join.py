@@ -1,0 +1,115 @@
+"""join: pieces of the generated animal without a whole, and one of something else."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import jsonschema
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import sherd
+from sherd.cli.main import main
+from sherd.errors import InputError
+from sherd.files.mesh_files import write_mesh
+from sherd.mesh.triangle_mesh import TriangleMesh
+from sherd.report.stored.folder import folder_problems
+from sherd.report.stored.stored_exhibit import read_exhibit
+from sherd.results.puzzle.joined import Joined
+from sherd.shapes import creature, cut_by_ball, landmarks, moved, whole
+from sherd.shapes.fragment import Fragment
+
+SCHEMA = Path(__file__).parents[1] / "docs" / "schema" / "assembly-alone.json"
+
+
+@pytest.fixture(scope="module")
+def pieces() -> list[Fragment]:
+    """Three overlapping pieces, each from the nose on, of two poses."""
+    rng = np.random.default_rng(4)
+    full, walking = creature(5000), creature(5000, pose="walk")
+    nose = landmarks(full)["nose"]
+    sizes = ((full, 0.75), (walking, 0.9), (full, 1.0))
+    return [moved(cut_by_ball(whole(pose, full), nose, reach), rng) for pose, reach in sizes]
+
+
+@pytest.fixture(scope="module")
+def foreign(pieces: list[Fragment]) -> TriangleMesh:
+    """A bumpy tube with the area of the first piece: an animal has no such part."""
+    u, v = np.meshgrid(np.arange(60) * 2 * np.pi / 60, np.linspace(0, 4, 60), indexing="ij")
+    radius = 0.5 + 0.1 * np.cos(3 * u + 2 * v) + 0.1 * np.sin(5 * v)
+    points = np.stack([radius * np.cos(u), radius * np.sin(u), v], axis=2).reshape(-1, 3)
+    number = np.arange(3600).reshape(60, 60)
+    right = np.roll(number, -1, axis=0)
+    corners = number[:, :-1], right[:, :-1], right[:, 1:], number[:, 1:]
+    faces = np.concatenate(
+        [
+            np.stack([corners[i] for i in some], axis=2).reshape(-1, 3)
+            for some in ((0, 1, 2), (0, 2, 3))
+        ]
+    )
+    tube = TriangleMesh(points, faces, name="tube")
+    return tube.with_vertices(points * np.sqrt(pieces[0].mesh.area / tube.area))
+
+
+@pytest.fixture(scope="module")
+def answer(pieces: list[Fragment], foreign: TriangleMesh) -> Joined:
+    return sherd.join([*(piece.mesh for piece in pieces), foreign])
+
+
+def test_what_belongs_together_is_one_group_and_the_foreign_piece_is_alone(answer) -> None:
+    assert answer.groups == ((0, 1, 2), (3,))
+    assert answer.group_of == (0, 0, 0, 1)
+
+
+def test_each_piece_has_its_points_on_the_others(answer, pieces) -> None:
+    assert set(answer.maps) == {(i, j) for i in range(3) for j in range(3) if i != j}
+    for (here, there), found in answer.maps.items():
+        rows = np.flatnonzero(found.matched)
+        own, other = pieces[here], pieces[there]
+        assert len(rows) > 0.5 * min(own.mesh.vertex_count, other.mesh.vertex_count)
+        at = found.points[rows].interpolate(other.mesh, other.truth.positions(other.full))
+        off = np.linalg.norm(at - own.truth[rows].positions(own.full), axis=1)
+        assert off.mean() < 0.02 * own.full.length
+
+
+def test_loops_close_better_than_before(answer) -> None:
+    assert answer.cycle_after <= answer.cycle_before < 0.05
+
+
+def test_files_are_written_and_read_back(answer, tmp_path) -> None:
+    document = sherd.write_report(answer, tmp_path / "out")
+    assert folder_problems(tmp_path / "out") == ()
+    schema = json.loads(SCHEMA.read_text())
+    jsonschema.validate(document, schema)
+    assert set(document) == set(schema["properties"])
+    assert document["full"] is None
+    assert [piece["group"] for piece in document["pieces"]] == [0, 0, 0, 1]
+    rows = (tmp_path / "out" / "piece_0" / "partners.csv").read_text().splitlines()
+    assert rows[0] == "part_vertex,piece,face,b0,b1,b2,vertex,confidence"
+    assert {row.split(",")[1] for row in rows[1:]} == {"1", "2"}
+    exhibit = read_exhibit(tmp_path / "out")
+    assert exhibit.part.vertex_count == sum(piece.vertex_count for piece in answer.pieces)
+    assert exhibit.partner.known.any()
+
+
+def test_the_command_does_the_same(answer, pieces, foreign, tmp_path: Path) -> None:
+    names = []
+    for number, mesh in enumerate([*(piece.mesh for piece in pieces[:2]), foreign]):
+        write_mesh(mesh, tmp_path / f"{number}.ply")
+        names.append(str(tmp_path / f"{number}.ply"))
+    out = tmp_path / "out"
+    done = CliRunner().invoke(main, ["assemble", "--no-full", *names, "-o", str(out)])
+    assert done.exit_code == 0
+    assert "together: 0 0.ply, 1 1.ply" in done.output
+    assert json.loads((out / "result.json").read_text())["groups"] == [[0, 1], [2]]
+    wrong = CliRunner().invoke(main, ["assemble", "--no-full", *names, "--rigid", "-o", str(out)])
+    assert wrong.exit_code == 2
+
+
+def test_one_piece_and_rigid_pieces_are_refused(pieces) -> None:
+    with pytest.raises(InputError, match="two are needed"):
+        sherd.join([pieces[0].mesh])
+    with pytest.raises(InputError, match="on a whole"):
+        sherd.join([piece.mesh for piece in pieces], rigid=True)
