@@ -42,18 +42,19 @@ FLOORS = {
     "results": 7,
     "region": 8,
     "correspondence": 8,
-    "match": 9,
+    "place": 9,
+    "match": 10,
     "locate": 9,
     "overlap": 9,
-    "puzzle": 10,
-    "assemble": 11,
-    "join": 11,
-    "report": 12,
-    "benchmark": 13,
-    "cli": 14,
+    "puzzle": 11,
+    "assemble": 12,
+    "join": 12,
+    "report": 13,
+    "benchmark": 14,
+    "cli": 15,
     # loads the public names from all floors, and starts the command line
-    "sherd": 15,
-    "__main__": 15,
+    "sherd": 16,
+    "__main__": 16,
 }
 GROUND = 1  # output may raise errors, and both stand on the ground
 LARGEST_FILE = 400

@@ -8,7 +8,7 @@ from typing import Unpack
 
 import numpy as np
 
-from sherd.arrays import Bools, Floats, Ints
+from sherd.arrays import Bools, Floats
 from sherd.correspondence.confidence import (
     LEAST,
     confidence_features,
@@ -17,39 +17,20 @@ from sherd.correspondence.confidence import (
     matched_vertices,
     share_laid_double,
 )
-from sherd.correspondence.hints import check_hints, pins_of, without_ignored, working_pins
-from sherd.correspondence.labels.anchors import chance_energy, find_anchors, first_labeling
-from sherd.correspondence.labels.labeling import SAME_SCALE, UNKNOWN_SCALE
-from sherd.correspondence.placements import (
-    anchor_problem,
-    mirrored_placement,
-    second_placement,
-)
 from sherd.correspondence.plausibility import (
     FEATURELESS,
-    placement_chance,
-    placement_features,
     self_likeness,
 )
-from sherd.correspondence.question import Pins, Question
-from sherd.correspondence.scale import (
-    SAME,
-    ScaleEstimate,
-    estimated_scale,
-    factors_that_fit,
-)
+from sherd.correspondence.question import Question
 from sherd.correspondence.unfollowed import unfollowed_landmarks
 from sherd.correspondence.working_placement import (
     Queries,
     WorkingPlacement,
-    part_queries,
-    placement_from_labeling,
 )
 from sherd.mesh.sides import bulge
-from sherd.mesh.sizes import check_areas, check_sizes
-from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.mesh.units import unit_proposal
 from sherd.output import Stages
+from sherd.place import PlacedPart, placed_part
 from sherd.region.coverage import covered_region
 from sherd.results.advice import Doubts
 from sherd.results.keywords import options_of
@@ -61,10 +42,8 @@ from sherd.results.way_back import WayBack
 from sherd.scan.either_side import SURE_BULGE, better_side
 from sherd.scan.intake import Intake, MeshSource, ScanSource, scan_intake
 from sherd.scan.numbering import turned_as_repaired
-from sherd.surface.described import DescribedSurface
-from sherd.surface.prepared import as_template, described_part
+from sherd.surface.prepared import as_template
 from sherd.surface.template import Template
-from sherd.threads import begun
 
 __all__ = ["STAGES", "PlacedPart", "match", "match_one_side", "match_result", "placed_part"]
 
@@ -82,9 +61,6 @@ TWIN_MARGIN = 0.02
 POOR = 0.5
 # No place can be used twice; up to this share of the part it may be noise.
 DOUBLE = 0.2
-# In sqrt(area), of a part whose scale is unknown: whatever its file says, it is described as if it
-# covered a third of the full shape, so that its unit does not matter.
-TRIAL_SIZE = 0.6
 # Turned over, parts of animals and people scored at most 0.43 where the right side had 0.5 to 0.95.
 SURE_SCORE = 0.6
 
@@ -155,131 +131,6 @@ def match_one_side(
     return match_result(placed_part(template, part, options, stages), stages)
 
 
-@dataclass(frozen=True, eq=False)
-class PlacedPart:
-    """The placements of one part, of which an answer is made.
-
-    Attributes
-    ----------
-    template, part, kept, options
-        What was asked: the full shape, the part and which of its vertices, and how.
-    pins, question, queries
-        The same on the working meshes.
-    estimate, scale
-        What lengths of the part were multiplied by, and how that was found.
-    best, other
-        The better and the worse of two placements.
-    twin
-        Of the mirror image; None if not asked.
-    energies
-        Of the first and the last labeling, and what they would be if nothing belonged together.
-    """
-
-    template: Template
-    part: Intake
-    kept: Ints
-    options: MatchOptions
-    pins: Pins
-    question: Question
-    queries: Queries
-    estimate: ScaleEstimate
-    scale: float
-    best: WorkingPlacement
-    other: WorkingPlacement
-    twin: WorkingPlacement | None
-    energies: tuple[float, float, float]
-
-    @property
-    def chance(self) -> float:
-        """That the best placement as a whole is right, in [0, 1]."""
-        first, last, by_chance = self.energies
-        surface = self.question.part
-        return placement_chance(
-            placement_features(
-                surface, self.best, self.other, (first, last), chance_energy=by_chance
-            )
-        )
-
-
-def placed_part(
-    template: Template,
-    part: Intake,
-    options: MatchOptions,
-    stages: Stages,
-    *,
-    free: Bools | None = None,
-    twin: bool = True,
-) -> PlacedPart:
-    """Place a part whose faces look outward: the first half of the method.
-
-    Parameters
-    ----------
-    template, part, options, stages
-        As in :func:`match`.
-    free
-        (n,) bool, vertices of the template's working mesh where nodes of the part may be placed;
-        all if None.
-    twin
-        Whether the mirror image is placed as well.
-    """
-    unknown = options.scale == "unknown"
-    check_hints(template.intake, part, options)
-    if unknown:
-        check_areas(template.intake.mesh, part.mesh)
-    else:
-        check_sizes(template.intake.mesh, part.mesh, factor=options.factor, options=True)
-    kept, kept_vertices = without_ignored(part, options)
-    pins = pins_of(template, part, kept_vertices, options)
-    rng, twin_rng = np.random.default_rng(options.seed).spawn(2)
-    unit = kept.length / TRIAL_SIZE if unknown else template.length / options.factor
-    described = begun(lambda: _described(kept, unit, pins))
-    with stages("full shape"):
-        template.prepare()
-    with stages("part"):
-        surface = described()
-        comparison = UNKNOWN_SCALE if unknown else SAME_SCALE
-        question = Question(template, surface, comparison, working_pins(surface, pins), free)
-    with stages("scale"):
-        own = unit * options.factor / template.length
-        estimate = _scale(question, rng, own) if unknown else SAME
-        scale = options.factor * estimate.factor
-        if unknown:
-            unit = template.length / scale
-            surface = _described(kept, unit, pins)
-            question = question.with_part(surface)
-        queries = part_queries(question, rng)
-    if twin:
-        twin_placement = begun(lambda: mirrored_placement(question, queries, twin_rng))
-    with stages("anchors"):
-        problem = anchor_problem(question, rng)
-        start = first_labeling(problem)
-        labeling = find_anchors(problem, start=start)
-        # a generator of its own: what follows stays what it would be without this
-        chance_level = chance_energy(problem, np.random.default_rng(options.seed))
-    with stages("first placement"):
-        first = placement_from_labeling(question, labeling, queries)
-    with stages("second placement"):
-        second = second_placement(question, first, queries, rng)
-        best, other = sorted((first, second), key=lambda found: -found.score)
-    with stages("mirrored twin"):
-        mirror = twin_placement() if twin else None
-    return PlacedPart(
-        template=template,
-        part=part,
-        kept=kept_vertices,
-        options=options,
-        pins=pins,
-        question=question,
-        queries=queries,
-        estimate=estimate,
-        scale=scale,
-        best=best,
-        other=other,
-        twin=mirror,
-        energies=(start.energy, labeling.energy, chance_level),
-    )
-
-
 def match_result(placed: PlacedPart, stages: Stages) -> MatchResult:
     """The answer for a placed part: confidence, region and what to think of it."""
     template, part, options = placed.template, placed.part, placed.options
@@ -335,22 +186,9 @@ def match_result(placed: PlacedPart, stages: Stages) -> MatchResult:
     )
 
 
-def _scale(question: Question, rng: np.random.Generator, own: float) -> ScaleEstimate:
-    """By what to enlarge the part as its file says; as it is described here, `own` does that."""
-    found = estimated_scale(question, rng, factors_that_fit(question), own=own)
-    rival = None if found.rival is None else found.rival / own
-    return replace(found, factor=found.factor / own, rival=rival)
-
-
 def _scale_rival(placed: PlacedPart) -> float | None:
     rival = placed.estimate.rival
     return None if rival is None else placed.options.factor * rival
-
-
-def _described(kept: TriangleMesh, unit: float, pins: Pins) -> DescribedSurface:
-    surface = described_part(kept, unit, sampled_at=pins.vertices)
-    _ = surface.sparse  # computed on first use, and now another core may have time
-    return surface
 
 
 @dataclass(frozen=True, eq=False)

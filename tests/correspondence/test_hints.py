@@ -15,7 +15,8 @@ from sherd.correspondence.hints import (
     working_pins,
 )
 from sherd.correspondence.labels.anchors import find_anchors
-from sherd.correspondence.labels.labeling import PIN_SLACK, PIN_STRETCH, Problem, labeling_problem
+from sherd.correspondence.labels.forbidden import PIN_SLACK, PIN_STRETCH
+from sherd.correspondence.labels.labeling import Problem, labeling_problem
 from sherd.correspondence.question import Pins
 from sherd.errors import InfeasibleError, InputError, OptionError
 from sherd.mesh.triangle_mesh import TriangleMesh

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from sherd.arrays import Bools, Floats
-from sherd.correspondence.labels.labeling import PIN_SLACK, PIN_STRETCH
+from sherd.correspondence.labels.forbidden import PIN_SLACK, PIN_STRETCH
 from sherd.correspondence.question import Pins, Question
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.results.advice import UnfollowedLandmark

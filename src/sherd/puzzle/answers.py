@@ -9,8 +9,9 @@ from types import MappingProxyType
 import numpy as np
 
 from sherd.arrays import Floats, Ints
-from sherd.match import PlacedPart, match_result
+from sherd.match import match_result
 from sherd.output import Stages
+from sherd.place import PlacedPart
 from sherd.puzzle.borders import fits_of
 from sherd.puzzle.joint_choice import shared_areas
 from sherd.puzzle.partition import GAP, Partition

@@ -22,7 +22,7 @@ from sherd.correspondence.working_placement import (
     judged_placement,
     look_inside,
 )
-from sherd.match import PlacedPart
+from sherd.place import PlacedPart
 from sherd.puzzle.border import BorderFit, border_of, nearest_borders
 from sherd.puzzle.trials import Trial
 

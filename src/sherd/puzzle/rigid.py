@@ -17,9 +17,9 @@ from sherd.arrays import Floats
 from sherd.correspondence.elastic_kernel import fit_rotations
 from sherd.correspondence.registration import Deformation
 from sherd.correspondence.working_placement import judged_placement, look_inside
-from sherd.match import PlacedPart
 from sherd.mesh.geometry import closest_rotation, vertex_normals
 from sherd.mesh.surface_points import SurfacePoints
+from sherd.place import PlacedPart
 
 __all__ = ["RigidMotion", "rigidly_placed"]
 

@@ -11,9 +11,9 @@ import numpy as np
 from sherd.arrays import Bools, Floats
 from sherd.correspondence.confidence import LEAST, MOST
 from sherd.errors import InfeasibleError
-from sherd.match import PlacedPart, placed_part
 from sherd.mesh.sides import bulge
 from sherd.output import Stages
+from sherd.place import PlacedPart, placed_part
 from sherd.puzzle.border import border_of
 from sherd.puzzle.joint_choice import Candidate, Choice, joint_choice, shared_areas
 from sherd.puzzle.partition import Partition

@@ -22,6 +22,7 @@ from functools import cached_property
 import numpy as np
 
 from sherd.arrays import Bools, Floats, Ints, Singles
+from sherd.correspondence.labels.forbidden import forbidden_labels
 from sherd.correspondence.labels.labeling_data import (
     Comparison,
     EdgeMeasures,
@@ -89,8 +90,6 @@ CUT_TRUST, CUT_LEAST = 0.06, 0.4
 ROUNDS = 8
 # A node is judged by its edges up to two of the largest neighborhoods and a half.
 LOCAL_LENGTH = 0.25
-# A pinned vertex may move by the spacing of labels, and lengths from it stretch by a fifth.
-PIN_SLACK, PIN_STRETCH = 0.04, 1.2
 # A boundary is crossed by edges to near neighbors; longer ones only say that it lies between.
 FAR_BOUNDARY = 0.1
 # Stands for the distance of labels on different components: farther than anything on one.
@@ -207,7 +206,7 @@ def labeling_problem(question: Question, similarity: Singles, rng: np.random.Gen
     nodes, depth = part.sparse, part.cut_distance[part.sparse.vertices]
     edges = _edges(nodes, part.mesh.vertices[nodes.vertices], rng)
     measures = _measures(edges, nodes, depth)
-    return Problem(question, similarity, edges, measures, _forbidden(question))
+    return Problem(question, similarity, edges, measures, forbidden_labels(question))
 
 
 def unary_cost(problem: Problem, labels: Ints, rotations: Floats, step: float) -> Floats:
@@ -378,34 +377,3 @@ def _local_cost(problem: Problem, paid: Floats, both: Bools) -> Floats:
     number = sum(np.bincount(end, minlength=count) for end in ends)
     result: Floats = total / np.maximum(number, 1)
     return result
-
-
-def _forbidden(question: Question) -> Bools:
-    """Labels (k, s) that contradict a pin or lie where something else does."""
-    forbidden = _contradicting(question)
-    if question.free is not None:
-        taken = ~question.free[question.full.dense.vertices]
-        if not taken.all():  # where all is taken nothing can be said of the places
-            forbidden |= taken
-            forbidden[forbidden.all(axis=1)] = taken
-    return forbidden
-
-
-def _contradicting(question: Question) -> Bools:
-    """Labels (k, s) farther from a pinned place than the node is from the pinned vertex.
-
-    A path on the part is a path on the full shape, so distances on the full shape are not longer,
-    up to stretch and the spacing of labels.
-    """
-    full, nodes, pins = question.full, question.part.sparse, question.pins
-    forbidden = np.zeros((len(nodes), len(full.dense)), dtype=bool)
-    if len(pins.vertices) == 0:
-        return forbidden
-    places = full.vertex_tree.query(pins.positions)[1]
-    reach = full.geodesics.distances_from(places)[:, full.dense.vertices]
-    for vertex, row in zip(pins.vertices, reach, strict=True):
-        node = int(np.flatnonzero(nodes.vertices == vertex)[0])
-        limit = PIN_SLACK + PIN_STRETCH * nodes.between[node]
-        forbidden |= row[None, :] > limit[:, None]
-    forbidden[forbidden.all(axis=1)] = False  # pins that contradict each other rule nothing out
-    return forbidden
