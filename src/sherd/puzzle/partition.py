@@ -25,10 +25,15 @@ from scipy import sparse
 from scipy.sparse import csgraph
 
 from sherd.arrays import Bools, Floats, Ints
+from sherd.correspondence.shared.region_cut import seam_lengths
+from sherd.mesh.minimum_cut import minimum_cut
 from sherd.mesh.triangle_mesh import TriangleMesh
-from sherd.spectral.operators import stiffness
 
-__all__ = ["GAP", "Partition", "border_depth", "seam_lengths"]
+__all__ = [
+    "GAP",
+    "Partition",
+    "border_depth",
+]
 
 GAP = -1
 # Two vertex spacings of a 10,000-vertex mesh: as far as borders of right placements are off.
@@ -37,7 +42,6 @@ DELTA = 0.02
 OMEGA = 0.005
 # All labels are expanded so often; later sweeps hardly change a vertex.
 SWEEPS = 2
-UNITS = 1_000_000_000
 
 
 class Partition:
@@ -135,7 +139,8 @@ class Partition:
         # E(keep, take) = E(take, keep) = seam, E(take, take) = 0
         np.add.at(take, here, seams[both] - same)
         np.add.at(take, there, -seams[both])
-        taken = _minimum_cut(keep, take, (here, there), 2 * seams[both] - same)
+        price = 2 * seams[both] - same
+        taken = minimum_cut(take - keep, (here, there), price, np.zeros_like(price))
         result = labels.copy()
         result[active[taken]] = label
         return result
@@ -165,39 +170,3 @@ def border_depth(paths: sparse.csr_array, mask: Bools, reach: float) -> Floats:
         )
         depth[~side] = sign * np.clip(away[~side] - half, 0.0, reach)
     return depth
-
-
-def seam_lengths(mesh: TriangleMesh) -> Floats:
-    """(e,) length of border that crosses each edge: of the edge's dual, l."""
-    first, second = mesh.edges.T
-    weak = -np.asarray(stiffness(mesh.vertices, mesh.faces).tocsr()[first, second]).ravel()
-    length = np.linalg.norm(mesh.vertices[first] - mesh.vertices[second], axis=1)
-    # the dual is as long as the edge times its cotangent weight
-    result: Floats = length * np.maximum(weak, 0.0)
-    return result
-
-
-def _minimum_cut(keep: Floats, take: Floats, pairs: tuple[Ints, Ints], prices: Floats) -> Bools:
-    """Which of the variables (a,) take, at least cost.
-
-    `keep` and `take` are the costs of each, `prices` (p,) what is paid where the first of a pair
-    keeps and the second takes.
-    """
-    count = len(keep)
-    source, sink = count, count + 1
-    gain = take - keep  # cut from the source is to take
-    up, down = np.flatnonzero(gain > 0), np.flatnonzero(gain < 0)
-    rows = np.concatenate([np.full(len(up), source), down, pairs[0]])
-    columns = np.concatenate([up, np.full(len(down), sink), pairs[1]])
-    values = np.concatenate([gain[up], -gain[down], prices])
-    # the largest flow is at most the smaller of both sums; capacities are 32-bit whole numbers
-    unit = UNITS / max(np.abs(gain).sum(), prices.max(initial=0.0), 1e-300)
-    capacity = np.ceil(unit * values).astype(np.int32)
-    graph = sparse.csr_array((capacity, (rows, columns)), shape=(count + 2, count + 2))
-    left = graph - csgraph.maximum_flow(graph, source, sink).flow
-    left.data = np.maximum(left.data, 0)
-    left.eliminate_zeros()
-    reached = csgraph.breadth_first_order(left, source, return_predecessors=False)
-    taken = np.ones(count + 2, dtype=bool)
-    taken[reached] = False
-    return taken[:count]
