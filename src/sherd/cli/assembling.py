@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Any
 
 import click
 
@@ -158,7 +157,6 @@ def _piece_line(result: Assembly, number: int) -> str:
         return f"{number} {piece.part.name}: refused; {piece.reason}."
     share = float(result.full.vertex_areas @ (result.labels == number)) / result.full.area
     said = f"{number} {piece.part.name}: {100 * share:.1f} % of the full shape"
-    doubt: Any = piece.match
-    if doubt is not None and doubt.status is not Status.GOOD:
+    if not piece.sure:
         return f"{said}; {piece.reason}"
     return f"{said}, chance {piece.chance:.2f}"

@@ -17,6 +17,8 @@ from sherd.puzzle.joint_choice import shared_areas
 from sherd.puzzle.partition import GAP, Partition
 from sherd.puzzle.trials import Trial, clashes
 from sherd.region.coverage import smoothed
+from sherd.results.advice import SURE
+from sherd.results.match_result import MatchResult
 from sherd.results.puzzle.assemble_options import AssembleOptions
 from sherd.results.puzzle.assembly import Assembly, Contact, Gap, PieceAnswer, SharedPlace
 from sherd.results.status import Status
@@ -110,7 +112,7 @@ def _answer(piece: int, intake: Intake, decision: Decision, stages: Stages) -> P
         return PieceAnswer(
             result.part,
             placed=True,
-            reason=result.advice,
+            reason=_place_words(result, decision.chosen[piece].chance),
             chance=decision.chosen[piece].chance,
             match=result,
             transform=None if motion is None else motion.matrix,
@@ -126,6 +128,15 @@ def _answer(piece: int, intake: Intake, decision: Decision, stages: Stages) -> P
         match=result,
         instead=instead,
     )
+
+
+def _place_words(result: MatchResult, chance: float) -> str:
+    """What to think of the place of a piece."""
+    if result.status is Status.GOOD and chance < SURE:
+        return (
+            f"doubtful: the chance that this is its place is {chance:.2f}; look at it in the report"
+        )
+    return result.advice
 
 
 def _rival(alone: Trial, chosen: Mapping[int, Trial]) -> int | None:

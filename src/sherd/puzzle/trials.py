@@ -148,7 +148,13 @@ def trials_again(
         old = first.placed
         free = _on_mesh(template, ~taken)
         placed = placed_part(template, old.part, old.options, stages, free=free, twin=False)
-        known += _as_trials(first.piece, placed, first.partition)
+        # what fits much worse than where the piece lies alone is no place for it
+        loss = min(placed.best.score - old.best.score, 0.0)
+        less = float(np.exp(loss / SCORE_SCALE))
+        known += [
+            replace(trial, chance=less * trial.chance)
+            for trial in _as_trials(first.piece, placed, first.partition)
+        ]
     return known[len(trials) :]
 
 

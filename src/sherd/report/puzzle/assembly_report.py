@@ -84,7 +84,7 @@ def _document(result: Assembly, command: str) -> dict[str, Any]:
         "version": result.version,
         "command": command,
         "full": mesh_facts(result.full, result.notices),
-        "status": _status(result).name.lower(),
+        "status": result.status.name.lower(),
         "pieces": [_piece_facts(k, piece) for k, piece in enumerate(result.pieces)],
         "gap": {
             "area": result.gap_area,
@@ -119,14 +119,8 @@ def _piece_facts(number: int, piece: PieceAnswer) -> dict[str, Any]:
     }
 
 
-def _status(result: Assembly) -> Status:
-    """Good if all that is placed is; refusals are answers."""
-    known = [piece.match.status for piece in result.pieces if piece.placed and piece.match]
-    return Status.GOOD if known and set(known) == {Status.GOOD} else Status.DOUBTFUL
-
-
 def _exhibit(result: Assembly, document: Mapping[str, Any], scene: AssemblyScene) -> Exhibit:
-    status = _status(result)
+    status = result.status
     words = "good: each placed piece fits" if status is Status.GOOD else _doubts(result)
     return replace(
         scene.exhibit(),
@@ -155,11 +149,7 @@ def _piece_words(piece: PieceAnswer) -> str:
 def _doubts(result: Assembly) -> str:
     if not result.placed:
         return "doubtful: no piece has a place; is this the right full shape, in the same unit?"
-    doubted = [
-        str(k)
-        for k, piece in enumerate(result.pieces)
-        if piece.placed and piece.match is not None and piece.match.status is not Status.GOOD
-    ]
+    doubted = [str(k) for k in result.placed if not result.pieces[k].sure]
     return f"doubtful: look at the place of piece {', '.join(doubted)}"
 
 

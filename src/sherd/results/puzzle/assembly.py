@@ -11,9 +11,11 @@ from sherd._version import __version__
 from sherd.arrays import Floats, FrozenState, Ints, frozen
 from sherd.errors import InvalidMeshError
 from sherd.mesh.triangle_mesh import TriangleMesh
+from sherd.results.advice import SURE
 from sherd.results.display import table_html
 from sherd.results.match_result import MatchResult
 from sherd.results.puzzle.assemble_options import AssembleOptions
+from sherd.results.status import Status
 
 __all__ = ["Assembly", "AssemblyCheck", "Contact", "Gap", "PieceAnswer", "SharedPlace"]
 
@@ -58,6 +60,12 @@ class PieceAnswer(FrozenState):
             raise InvalidMeshError(f"{self.part.name} is placed, but has no points")
         if self.transform is not None:
             object.__setattr__(self, "transform", frozen(np.array(self.transform, dtype=float)))
+
+    @property
+    def sure(self) -> bool:
+        """Whether it is placed and nothing speaks against its place."""
+        good = self.match is not None and self.match.status is Status.GOOD
+        return self.placed and good and self.chance >= SURE
 
     def __repr__(self) -> str:
         word = "placed" if self.placed else "refused"
@@ -217,6 +225,12 @@ class Assembly(FrozenState):
     def refused(self) -> tuple[int, ...]:
         """Numbers of the refused pieces."""
         return tuple(k for k, piece in enumerate(self.pieces) if not piece.placed)
+
+    @property
+    def status(self) -> Status:
+        """Good if each placed piece is sure of its place, and one is; refusals are answers."""
+        known = [piece.sure for piece in self.pieces if piece.placed]
+        return Status.GOOD if known and all(known) else Status.DOUBTFUL
 
     @property
     def gap_membership(self) -> Floats:
