@@ -49,6 +49,7 @@ class Geodesics:
     def __init__(self, mesh: TriangleMesh) -> None:
         self._count = mesh.vertex_count
         self._labels = mesh.component_labels
+        self._connected = bool((self._labels == 0).all())
         self._used = np.unique(mesh.faces)
         self._local = np.full(self._count, -1, dtype=np.int64)
         self._local[self._used] = np.arange(len(self._used))
@@ -88,20 +89,36 @@ class Geodesics:
 
     def _from_sets(self, members: Ints, starts: Ints) -> Floats:
         """Distance (s, n) to the nearest of `members[starts[i]:starts[i + 1]]`."""
-        distances = np.full((len(starts) - 1, self._count), np.inf)
-        of_set = np.repeat(np.arange(len(distances)), np.diff(starts))
-        local = self._local[members]
-        if self._flow is not None and (local >= 0).all():
-            distances[:, self._used] = self._unit * self._flow.distances(local, starts)
-        distances[of_set, members] = 0.0
-        for row, found in enumerate(distances):
-            own = members[starts[row] : starts[row + 1]]
-            reached = np.isin(self._labels, self._labels[own])
-            found[~reached] = np.inf
-            behind = len(own) == 1 and found[reached].min(initial=0.0) < -BEHIND * self._edge
-            if behind or not np.isfinite(found[reached]).all():
-                found[:] = csgraph.dijkstra(self.paths, directed=False, indices=own, min_only=True)
+        sizes = np.diff(starts)
+        distances = self._by_heat(self._local[members], starts)
+        distances[np.repeat(np.arange(len(sizes)), sizes), members] = 0.0
+        sets = np.split(members, starts[1:-1])
+        if self._connected and sizes.all():
+            failed = ~np.isfinite(distances.max(axis=1))  # no number is passed on
+        else:
+            failed = np.zeros(len(sets), dtype=bool)
+            for row, own in enumerate(sets):
+                reached = np.isin(self._labels, self._labels[own])
+                distances[row, ~reached] = np.inf
+                failed[row] = not np.isfinite(distances[row, reached]).all()
+        failed |= (distances.min(axis=1) < -BEHIND * self._edge) & (sizes == 1)
+        for row in np.flatnonzero(failed).tolist():
+            distances[row] = csgraph.dijkstra(
+                self.paths, directed=False, indices=sets[row], min_only=True
+            )
         np.maximum(distances, 0.0, out=distances)
+        return distances
+
+    def _by_heat(self, local: Ints, starts: Ints) -> Floats:
+        """Distances (s, n) as the heat method has them, infinite where it cannot be asked."""
+        if self._flow is None or (local < 0).any():
+            return np.full((len(starts) - 1, self._count), np.inf)
+        found = self._flow.distances(local, starts)
+        found *= self._unit
+        if len(self._used) == self._count:
+            return found
+        distances = np.full((len(found), self._count), np.inf)
+        distances[:, self._used] = found
         return distances
 
     def _checked(self, sources: ArrayLike) -> Ints:
