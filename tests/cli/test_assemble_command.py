@@ -101,6 +101,16 @@ def test_the_folder_can_be_looked_at_again_and_written_again(answered) -> None:
     assert "is refused" in page
 
 
+def test_the_page_names_refused_pieces_and_offers_no_landmarks(answered) -> None:
+    """Landmarks and vertices to ignore cannot be given to this question."""
+    _, out, _ = answered
+    exhibit = read_exhibit(out)
+    assert not exhibit.takes_hints
+    assert '"takesHints":false' in (out / "report.html").read_text(encoding="utf-8")
+    piece = next(layer for layer in exhibit.part_layers if layer.name == "piece")
+    assert "refused" in {piece.labels[k] for k in np.unique(piece.values)}
+
+
 def test_a_folder_with_others_files_is_not_touched(answered, tmp_path) -> None:
     files, _, _ = answered
     taken = tmp_path / "out" / "piece_0"

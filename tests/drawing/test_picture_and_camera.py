@@ -222,3 +222,21 @@ def test_a_large_mesh_is_seen_from_the_same_side() -> None:
     coarse, fine = views
     assert np.trace(fine.rotation @ coarse.rotation.T) > 2.9
     assert abs(fine.visible_share - coarse.visible_share) < 0.1
+
+
+def test_the_legend_names_kinds_that_only_the_other_shape_has() -> None:
+    ball = trimesh.creation.icosphere(1)
+    mesh = TriangleMesh(ball.vertices, ball.faces)
+    one, other = (np.full(mesh.vertex_count, kind) for kind in (0, 1))
+    labels, palette = ("here", "there"), ((0, 0, 255), (255, 0, 0))
+    layers = [
+        Layer("kind", values, kind="category", labels=labels, palette=palette)
+        for values in (one, other)
+    ]
+    drawn = [
+        np.asarray(picture(Exhibit("", mesh, mesh, layers[:1], (layer,)), width=400))
+        for layer in layers
+    ]
+    swatches = [(image[:, 112:288, :3] == (255, 0, 0)).all(axis=2)[-48:].sum() for image in drawn]
+    assert swatches[0] == 0
+    assert swatches[1] > 10

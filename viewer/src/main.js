@@ -44,7 +44,7 @@ class Page {
       layerNames: this.layerNames, placements: this.meta.placements, scoreName: this.meta.scoreName,
       hasPartner: this.meta.placements.some((place) => place.partner), anchorCount: this.meta.anchors.length,
     });
-    this.hintsPanel = this.placements.length && this.meta.placements[0].partner ? new HintsPanel(this) : null;
+    this.hintsPanel = this.meta.takesHints ? new HintsPanel(this) : null;
     this.hintsPanel?.fill();
     this.stage = new Stage(elements.canvas, this.shapes, elements, {
       orbits: this.orbits, palette: this.palette, drawn: () => this.redrawOverlay(),
@@ -165,7 +165,8 @@ class Page {
       covered = (side === "full" ? "Full shape: " : "Part: ") + coverageWords(layer, this.covered, this.threshold);
     }
     if (layer?.kind === "scalar" && !covered) covered = "Slide to turn values below a threshold gray.";
-    this.panel.legend(layer, this.palette, { threshold: this.threshold, covered, marks: this.marks() });
+    const beside = this.shown.part?.name === layer?.name ? this.shown.part : null; // may have kinds that the full shape lacks
+    this.panel.legend(layer, this.palette, { threshold: this.threshold, covered, marks: this.marks(), beside });
   }
 
   marks() {

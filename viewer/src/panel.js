@@ -63,7 +63,7 @@ export class Panel {
     if (input) input.checked = true;
   }
 
-  legend(layer, palette, { threshold, covered, marks }) {
+  legend(layer, palette, { threshold, covered, marks, beside = null }) {
     $("legend-name").textContent = layer ? layer.name + (layer.unit ? ` [${layer.unit}]` : "") : "no layer";
     $("legend-text").textContent = layer?.description ?? "";
     const scalar = layer?.kind === "scalar";
@@ -71,7 +71,7 @@ export class Panel {
     $("swatches").hidden = scalar || !layer || layer.kind === "color";
     $("coverage").textContent = covered;
     if (scalar) this.bar(layer, palette.tables[layer.colorMap], threshold, marks);
-    else if (layer && layer.kind !== "color") this.swatches(layer, palette);
+    else if (layer && layer.kind !== "color") this.swatches(layer, palette, beside);
   }
 
   bar(layer, table, threshold, marks) {
@@ -100,10 +100,10 @@ export class Panel {
     }
   }
 
-  swatches(layer, palette) {
+  swatches(layer, palette, beside) {
     const entries = layer.kind === "mask"
       ? [["outside", palette.mask[0]], ["inside", palette.mask[1]]]
-      : [...new Set(layer.values)].filter((k) => k >= 0).sort((a, b) => a - b).slice(0, 24)
+      : [...new Set([...layer.values, ...(beside?.values ?? [])])].filter((k) => k >= 0).sort((a, b) => a - b).slice(0, 24)
         .map((k) => [layer.labels[k] ?? String(k), palette.category[k % palette.category.length]]);
     $("swatches").replaceChildren();
     for (const [name, color] of entries) {

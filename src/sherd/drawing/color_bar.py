@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
+from numpy.typing import NDArray
 from PIL import ImageDraw, ImageFont
 
 from sherd.drawing.colors import CATEGORY_COLORS, MASK_COLORS, color_table
@@ -31,12 +34,16 @@ def ticks(low: float, high: float, *, most: int = 6) -> list[float]:
 def draw_legend(
     draw: ImageDraw.ImageDraw,
     layer: Layer | None,
+    beside: Layer | None,
     *,
     box: tuple[int, int, int],
     unit: float,
     inks: tuple[Color, Color],
 ) -> None:
-    """Draw the legend of `layer` into `box` (left, top, width), `unit` pixels per point."""
+    """Draw the legend of `layer` into `box` (left, top, width), `unit` pixels per point.
+
+    `beside` is the layer of the other shape; of the same name it may have kinds that `layer` lacks.
+    """
     if layer is None:
         return
     ink, gray = inks
@@ -52,7 +59,10 @@ def draw_legend(
         words = layer.description or heading
         draw.text((middle, top + 12 * unit), words, fill=ink, font=small, anchor="mm")
         return
-    entries = _entries(layer)
+    values = [layer.values]
+    if beside is not None and (beside.name, beside.kind) == (layer.name, layer.kind):
+        values.append(beside.values)
+    entries = _entries(layer, np.unique(np.concatenate(values)))
     widths = [30 * unit + draw.textlength(name, font=small) + 36 * unit for name, _ in entries]
     place = middle - sum(widths) / 2
     for (name, color), extent in zip(entries, widths, strict=True):
@@ -63,10 +73,10 @@ def draw_legend(
     draw.text((middle, top + 50 * unit), heading, fill=ink, font=small, anchor="mm")
 
 
-def _entries(layer: Layer) -> list[tuple[str, tuple[int, int, int]]]:
+def _entries(layer: Layer, values: NDArray[Any]) -> list[tuple[str, tuple[int, int, int]]]:
     if layer.kind == "mask":
         return [("outside", MASK_COLORS[0]), ("inside", MASK_COLORS[1])]
-    present = [int(value) for value in np.unique(layer.values) if value >= 0][:8]
+    present = [int(value) for value in values if value >= 0][:8]
     palette = layer.palette or CATEGORY_COLORS
     names = [layer.labels[k] if k < len(layer.labels) else str(k) for k in present]
     return [(name, palette[k % len(palette)]) for name, k in zip(names, present, strict=True)]

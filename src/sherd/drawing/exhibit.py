@@ -292,6 +292,9 @@ class Exhibit:
         it is turned toward its place first.
     part_numbers
         (n_part,) what vertices of the part are called; by their number when None.
+    takes_hints
+        Whether landmarks, and regions to ignore, can be given to the same question: the page then
+        has tools for them.
 
     Raises
     ------
@@ -321,6 +324,7 @@ class Exhibit:
     up: tuple[float, float, float] | None = None
     part_stands: bool = False
     part_numbers: Ints | None = None
+    takes_hints: bool = False
 
     def __post_init__(self) -> None:
         anchors = np.empty((0, 2)) if self.anchors is None else np.asarray(self.anchors)

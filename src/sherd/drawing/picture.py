@@ -130,7 +130,7 @@ def picture(
         _draw_scale_bar(draw, panel, pixels, middle=middle, unit=unit)
     box = (round(0.28 * width), top + size[1] + round(92 * unit), round(0.44 * width))
     shown = panels[0].layer or panels[-1].layer
-    draw_legend(draw, shown, box=box, unit=unit, inks=(INK, GRAY))
+    draw_legend(draw, shown, panels[-1].layer, box=box, unit=unit, inks=(INK, GRAY))
     return image
 
 

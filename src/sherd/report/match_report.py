@@ -123,6 +123,7 @@ def _exhibit(result: MatchResult, document: Mapping[str, Any], errors: Floats | 
         ),
         command=str(document["command"]),
         landmarks=result.options.landmarks,
+        takes_hints=True,
         ignored=tuple(result.options.ignore),
         region=result.best.mask,
     )

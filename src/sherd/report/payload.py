@@ -134,6 +134,7 @@ def payload(thinned: Thinned, staging: Staging) -> tuple[dict[str, Any], str]:
         "anchors": np.asarray(exhibit.anchors).tolist(),
         "verdict": None if exhibit.verdict is None else asdict(exhibit.verdict),
         "command": exhibit.command,
+        "takesHints": exhibit.takes_hints,
         "landmarks": [[int(part), int(full)] for part, full in exhibit.landmarks],
         "ignored": [int(vertex) for vertex in exhibit.ignored],
         "colors": {

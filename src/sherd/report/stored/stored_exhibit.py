@@ -85,6 +85,7 @@ def _match_exhibit(path: Path, document: Mapping[str, Any]) -> Exhibit:
         verdict=Verdict.from_advice(stored.status.advice, trusted=stored.status is Status.GOOD),
         command=str(document.get("command", "")),
         landmarks=stored.options.landmarks,
+        takes_hints=True,
         ignored=tuple(stored.options.ignore),
         region=stored.best.mask,
     )
