@@ -21,6 +21,9 @@ import sherd
 from sherd.energy.mumford_shah import EnergyTerms
 from sherd.results.locate_result import LocateCheck
 from sherd.results.match_result import MatchCheck
+from sherd.results.overlap_result import SharedMap
+from sherd.results.puzzle.assembly import Contact, Gap, PieceAnswer, SharedPlace
+from sherd.results.puzzle.joined import PairAnswer
 from sherd.shapes.creature import creature
 from sherd.spectral.basis import EigenBasis, eigenbasis
 
@@ -106,7 +109,49 @@ def overlap_result() -> sherd.Overlap:
     return sherd.overlap(MESH, MESH)
 
 
+def assembly() -> sherd.Assembly:
+    labels = np.arange(COUNT) % 2 - 1
+    placed = PieceAnswer(
+        MESH,
+        placed=True,
+        reason="",
+        chance=0.9,
+        match=copy.copy(match_result()),
+        transform=np.eye(4),
+    )
+    return sherd.Assembly(
+        full=MESH,
+        pieces=(placed, PieceAnswer(MESH, placed=False, reason="foreign", chance=0.1)),
+        labels=labels,
+        memberships=np.stack([labels == 0, np.zeros(COUNT)]),
+        gaps=(Gap(0.5, 1, COUNT // 2),),
+        contacts=(Contact(0, 1, 1.0, 0.1, 0.0),),
+        shared=(SharedPlace(0, 1, 0.1),),
+        energy=-0.3,
+        timings={"partition": 1.0},
+        options=sherd.AssembleOptions(),
+    )
+
+
+def joined() -> sherd.Joined:
+    mask = np.arange(COUNT) % 2 == 0
+    there = SharedMap(surface_points(), mask, mask.astype(float), mask.astype(float))
+    return sherd.Joined(
+        pieces=(MESH, MESH, MESH),
+        groups=((0, 1), (2,)),
+        pairs=(PairAnswer(0, 1, 0.8, asked=True, chance=0.9, joined=True),),
+        maps={(0, 1): there, (1, 0): there},
+        cycle_before=0.1,
+        cycle_after=0.05,
+        timings={"pairs": 1.0},
+        options=sherd.AssembleOptions(),
+    )
+
+
 MAKERS: dict[str, Callable[[], object]] = {
+    "AssembleOptions": lambda: sherd.AssembleOptions(rigid=True),
+    "Assembly": assembly,
+    "Joined": joined,
     "Convergence": lambda: sherd.Convergence.STALLED,
     "LocateOptions": lambda: sherd.LocateOptions(method="subspace"),
     "LocateResult": locate_result,

@@ -57,7 +57,7 @@ def puzzle_pieces(
     >>> from sherd.shapes.creature import creature
     >>> full = creature(5000)
     >>> pieces = puzzle_pieces(full, [creature(5000, pose="walk"), full])
-    >>> round(sum(piece.region.mean() for piece in pieces), 1)
+    >>> round(float(sum(piece.region.mean() for piece in pieces)), 1)
     1.0
     """
     count = len(posed)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from types import MappingProxyType
 
 import numpy as np
 
@@ -198,6 +199,7 @@ class Assembly(FrozenState):
             )
         object.__setattr__(self, "labels", frozen(labels))
         object.__setattr__(self, "memberships", frozen(memberships))
+        object.__setattr__(self, "timings", MappingProxyType(dict(self.timings)))
 
     def __repr__(self) -> str:
         return (

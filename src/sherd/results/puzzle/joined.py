@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from types import MappingProxyType
 
 import numpy as np
 
@@ -87,6 +88,8 @@ class Joined(FrozenState):
         for (here, there), found in self.maps.items():
             if len(found.points) != self.pieces[here].vertex_count:
                 raise InvalidMeshError(f"the map of piece {here} to {there} has another length")
+        for name in ("maps", "timings"):
+            object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))
 
     def __repr__(self) -> str:
         sizes = ", ".join(str(len(group)) for group in self.groups)
