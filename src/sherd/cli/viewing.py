@@ -38,7 +38,7 @@ def view_command(
     transparent: bool,
     quiet: bool,
 ) -> int:
-    """Open the report in FOLDER, which match, overlap, locate, assemble or demo wrote, or draw it anew.
+    """Open the report in FOLDER, which another command wrote, or draw it anew.
 
     On a terminal the report opens in the browser; otherwise its path is printed.
 
