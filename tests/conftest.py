@@ -73,6 +73,7 @@ def make_exhibit(subdivisions: int = 3, **changes: object) -> Exhibit:
             "Part": {"area": 19567.8},
         },
         "command": "sherd match whole.ply piece.ply -o out/",
+        "takes_hints": True,
     }
     return Exhibit(**(given | changes))
 
