@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 import math
 from collections.abc import Sequence
@@ -14,9 +13,9 @@ from typing import Any
 import numpy as np
 
 from sherd._version import __version__
-from sherd.benchmark.datasets.overlaps import OverlapSet, OverlapSource
-from sherd.benchmark.datasets.pairs import BenchmarkSettings
+from sherd.benchmark.datasets.overlaps import OverlapSet
 from sherd.benchmark.overlap_measurement import OverlapRow, measured_overlap
+from sherd.benchmark.row_file import pair_file
 from sherd.benchmark.runner import measured_rows
 from sherd.limits import require_whole
 from sherd.output import write_text
@@ -67,7 +66,7 @@ def overlap_benchmark(
         require_whole("pairs", limit, 1, 10**6, "no data set has more pairs")
     settings = pair_set.settings
     pairs = [pair for pair in pair_set.pairs if not only or pair.name in only][:limit]
-    files = {pair.name: _row_file(output, pair, settings) for pair in pairs}
+    files = {pair.name: pair_file(output, pair, settings) for pair in pairs}
 
     def keep(name: str, row: OverlapRow) -> None:
         write_text(files[name], json.dumps(plain(asdict(row)), allow_nan=False) + "\n")
@@ -153,16 +152,6 @@ def _total(rows: Sequence[OverlapRow]) -> dict[str, Any]:
 def _mean(values: list[float]) -> float | None:
     known = [value for value in values if not math.isnan(value)]
     return float(np.mean(known)) if known else None
-
-
-def _row_file(output: Path, pair: OverlapSource, settings: BenchmarkSettings) -> Path:
-    """Where the row of a pair is kept: a hash of everything that the measurement depends on."""
-    content = hashlib.sha256()
-    question = {**asdict(settings), "kind": pair.kind, "version": __version__, "pair": pair.name}
-    content.update(json.dumps(question, sort_keys=True).encode())
-    for path in pair.inputs:
-        content.update(path.read_bytes() if path.exists() else b"")
-    return output / "pairs" / f"{content.hexdigest()[:24]}.json"
 
 
 def _stored(path: Path) -> OverlapRow | None:

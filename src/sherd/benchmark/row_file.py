@@ -1,21 +1,52 @@
-"""Rows of one class in a JSON file, with what they depend on, so that a later run can go on."""
+"""What an interrupted run has measured, with what it depends on, so that a later run can go on."""
 
 from __future__ import annotations
 
+import hashlib
 import json
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
+from sherd._version import __version__
 from sherd.output import write_text
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
 
-__all__ = ["stored_rows", "write_rows"]
+__all__ = ["pair_file", "stored_rows", "write_rows"]
 
 Row = TypeVar("Row", bound="DataclassInstance")
+
+
+class Pair(Protocol):
+    """A pair of a data set."""
+
+    @property
+    def name(self) -> str:
+        """Unique among all pairs."""
+        ...
+
+    @property
+    def kind(self) -> str:
+        """What sort of pair it is."""
+        ...
+
+    @property
+    def inputs(self) -> tuple[Path, ...]:
+        """Files that the pair is made of."""
+        ...
+
+
+def pair_file(output: Path, pair: Pair, settings: DataclassInstance) -> Path:
+    """Where the row of a pair is kept: a hash of everything that the measurement depends on."""
+    content = hashlib.sha256()
+    question = {**asdict(settings), "kind": pair.kind, "version": __version__, "pair": pair.name}
+    content.update(json.dumps(question, sort_keys=True).encode())
+    for path in pair.inputs:
+        content.update(path.read_bytes() if path.exists() else b"")
+    return output / "pairs" / f"{content.hexdigest()[:24]}.json"
 
 
 def stored_rows(path: Path, settings: Mapping[str, Any], row: type[Row]) -> list[Row]:

@@ -7,20 +7,18 @@ interrupted run goes on where it stopped and a changed input is measured anew.
 
 from __future__ import annotations
 
-import hashlib
 import json
-from dataclasses import asdict
 from functools import partial
 from pathlib import Path
 from typing import Any
 
-from sherd._version import __version__
-from sherd.benchmark.datasets.pairs import BenchmarkSettings, PairSet, PairSource
+from sherd.benchmark.datasets.pairs import PairSet
 from sherd.benchmark.match.measurement import measured
 from sherd.benchmark.match.page import write_benchmark_page
 from sherd.benchmark.match.row import MatchRow
 from sherd.benchmark.match.summary import summary
 from sherd.benchmark.paper.drawing import check_plotting
+from sherd.benchmark.row_file import pair_file
 from sherd.benchmark.runner import measured_rows
 from sherd.output import write_text
 
@@ -55,7 +53,7 @@ def match_benchmark(
     check_plotting()
     settings = pair_set.settings
     pairs = [pair for pair in pair_set.pairs if not only or pair.name in only]
-    files = {pair.name: _row_file(output, pair, settings) for pair in pairs}
+    files = {pair.name: pair_file(output, pair, settings) for pair in pairs}
 
     def keep(name: str, row: MatchRow) -> None:
         write_text(files[name], json.dumps(row.plain(), allow_nan=False) + "\n")
@@ -73,18 +71,6 @@ def match_benchmark(
     write_text(output / "bench.json", json.dumps(document, indent=1, allow_nan=False) + "\n")
     write_benchmark_page(document, output)
     return document
-
-
-def _row_file(output: Path, pair: PairSource, settings: BenchmarkSettings) -> Path:
-    """Where the row of a pair is kept: a hash of everything that the measurement depends on."""
-    content = hashlib.sha256()
-    question = {
-        **asdict(settings), "kind": pair.kind, "version": __version__, "pair": pair.name
-    }  # fmt: skip
-    content.update(json.dumps(question, sort_keys=True).encode())
-    for path in pair.inputs:
-        content.update(path.read_bytes() if path.exists() else b"")
-    return output / "pairs" / f"{content.hexdigest()[:24]}.json"
 
 
 def _stored(path: Path) -> MatchRow | None:
