@@ -11,7 +11,7 @@ from sherd.assemble import assemble
 from sherd.cli.exits import NOT_CONVERGED
 from sherd.cli.first_run import prepare_first_run
 from sherd.cli.inputs import check_piece_outputs, command_line, show_piece_notices, stored_template
-from sherd.cli.options import overwrite_option, quiet_option
+from sherd.cli.options import overwrite_option, quiet_option, template_option
 from sherd.join import join
 from sherd.limits import require_seed
 from sherd.output import Stages
@@ -49,11 +49,7 @@ FILE = click.Path(path_type=Path)
     show_default=True,
     help="For rigid pieces: what is farther off is worn; in sqrt(area) of FULL.",
 )
-@click.option(
-    "--template",
-    type=FILE,
-    help="File (.npz) that keeps what depends on FULL alone: made if missing, used if there.",
-)
+@template_option
 @click.option(
     "--side",
     type=click.Choice(SIDES),

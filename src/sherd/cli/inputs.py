@@ -83,9 +83,7 @@ def check_outputs(
         if mesh.name in NAMES and mesh.resolve().parent == folder.resolve():
             raise OutputError(f"{mesh}: would be replaced by the result; choose another folder")
     question = ResultKind(kind, full.name, part.name)
-    replaceable_files(folder, question, overwrite=overwrite, own=own)
-    if template is not None and not template.exists():
-        require_writable(template)
+    _check_free(folder, question, template, overwrite=overwrite, own=own)
 
 
 def check_piece_outputs(
@@ -114,7 +112,18 @@ def check_piece_outputs(
         if full is None
         else ResultKind(ASSEMBLY_FORMAT, full.name, names)
     )
-    replaceable_files(folder, question, overwrite=overwrite)
+    _check_free(folder, question, template, overwrite=overwrite)
+
+
+def _check_free(
+    folder: Path,
+    question: ResultKind,
+    template: Path | None,
+    *,
+    overwrite: bool,
+    own: Iterable[str] = (),
+) -> None:
+    replaceable_files(folder, question, overwrite=overwrite, own=own)
     if template is not None and not template.exists():
         require_writable(template)
 
@@ -132,10 +141,7 @@ def show_piece_notices(result: Assembly | Joined, *, quiet: bool) -> None:
             for piece in result.pieces
             if piece.match is not None
         ]
-    for name, texts in said:
-        for text in texts:
-            note = click.style("note:", fg="yellow")
-            click.echo(f"{note} {name}: {text}", err=True)
+    _say(said)
 
 
 def show_notices(result: MatchResult | LocateResult | Overlap, *, quiet: bool) -> None:
@@ -147,10 +153,14 @@ def show_notices(result: MatchResult | LocateResult | Overlap, *, quiet: bool) -
         if isinstance(result, Overlap)
         else (("full", result.full), ("part", result.part))
     )
-    for which, mesh in shapes:
-        for text in result.notices[which]:
+    _say((mesh.name, result.notices[which]) for which, mesh in shapes)
+
+
+def _say(notices: Iterable[tuple[str, Iterable[str]]]) -> None:
+    for name, texts in notices:
+        for text in texts:
             note = click.style("note:", fg="yellow")
-            click.echo(f"{note} {mesh.name}: {text}", err=True)
+            click.echo(f"{note} {name}: {text}", err=True)
 
 
 def stored_template(path: Path | None, full: Path, *, quiet: bool) -> Template:

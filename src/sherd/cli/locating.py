@@ -16,7 +16,7 @@ from sherd.cli.inputs import (
     show_notices,
     stored_template,
 )
-from sherd.cli.options import overwrite_option, quiet_option
+from sherd.cli.options import overwrite_option, quiet_option, template_option
 from sherd.locate import STAGES, locate
 from sherd.output import Stages
 from sherd.report.exports import SHAPE_EXPORTS
@@ -65,11 +65,7 @@ FILE = click.Path(path_type=Path)
     show_default=True,
     help="Given: the faces of PART look outward.",
 )
-@click.option(
-    "--template",
-    type=FILE,
-    help="File (.npz) that keeps what depends on FULL alone: made if missing, used if there.",
-)
+@template_option
 @click.option("--seed", type=int, default=DEFAULTS.seed, show_default=True)
 @click.option(
     "--export",

@@ -18,7 +18,7 @@ from sherd.cli.inputs import (
     show_notices,
     stored_template,
 )
-from sherd.cli.options import overwrite_option, quiet_option
+from sherd.cli.options import overwrite_option, quiet_option, template_option
 from sherd.cli.tables import read_ground_truth, read_ignored, read_landmarks
 from sherd.limits import require_finite, require_seed
 from sherd.match import STAGES, match
@@ -59,11 +59,7 @@ FILE = click.Path(path_type=Path)
 @click.option("--landmarks", type=FILE, help="CSV with columns part_vertex,full_vertex.")
 @click.option("--ignore", type=FILE, help="CSV with a column part_vertex: clothing, support.")
 @click.option("--ground-truth", type=FILE, help="CSV as written here, or SHREC'16 .baryc_gt.")
-@click.option(
-    "--template",
-    type=FILE,
-    help="File (.npz) that keeps what depends on FULL alone: made if missing, used if there.",
-)
+@template_option
 @click.option(
     "--side",
     type=click.Choice(SIDES),

@@ -4,11 +4,18 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import click
 
-__all__ = ["overwrite_option", "quiet_option"]
+__all__ = ["overwrite_option", "quiet_option", "template_option"]
+
+template_option = click.option(
+    "--template",
+    type=click.Path(path_type=Path),
+    help="File (.npz) that keeps what depends on FULL alone: made if missing, used if there.",
+)
 
 overwrite_option = click.option(
     "--overwrite",
