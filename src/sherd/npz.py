@@ -16,15 +16,15 @@ __all__ = ["arrays_npz"]
 ZIP_DATE = (1980, 1, 1, 0, 0, 0)  # the earliest that the format knows
 
 
-def arrays_npz(arrays: Mapping[str, ArrayLike], *, level: int | None = None) -> bytes:
-    """NPZ (compressed, no pickled objects) whose bytes depend on the arrays only.
+def arrays_npz(arrays: Mapping[str, ArrayLike], *, compressed: bool = True) -> bytes:
+    """NPZ (no pickled objects) whose bytes depend on the arrays only.
 
     Parameters
     ----------
     arrays
         By name.
-    level
-        Of compression, 1 (fast) to 9; zlib's default of 6 when None.
+    compressed
+        Whether space matters more than the time of writing and reading.
 
     Raises
     ------
@@ -32,7 +32,7 @@ def arrays_npz(arrays: Mapping[str, ArrayLike], *, level: int | None = None) -> 
         If an array holds objects.
     """
     stream = io.BytesIO()
-    with zipfile.ZipFile(stream, "w", compresslevel=level) as archive:
+    with zipfile.ZipFile(stream, "w") as archive:
         for name, values in arrays.items():
             array = np.asarray(values)
             if array.dtype.hasobject:
@@ -41,6 +41,6 @@ def arrays_npz(arrays: Mapping[str, ArrayLike], *, level: int | None = None) -> 
             np.lib.format.write_array(entry, array, allow_pickle=False)
             # numpy.savez would store the time of day here
             info = zipfile.ZipInfo(f"{name}.npy", date_time=ZIP_DATE)
-            info.compress_type = zipfile.ZIP_DEFLATED
-            archive.writestr(info, entry.getbuffer(), compresslevel=level)
+            info.compress_type = zipfile.ZIP_DEFLATED if compressed else zipfile.ZIP_STORED
+            archive.writestr(info, entry.getbuffer())
     return stream.getvalue()

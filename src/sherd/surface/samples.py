@@ -16,6 +16,7 @@ from sherd.mesh.surface_points import closest_points
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.spectral.geodesics import Geodesics
 from sherd.spectral.sampling import farthest_point_sample
+from sherd.surface.counted import rounded
 from sherd.surface.working import WorkingSurface
 
 __all__ = ["Frames", "Samples", "dense_samples", "sparse_samples"]
@@ -111,7 +112,9 @@ def dense_samples(working: WorkingSurface, frames: Frames) -> Samples:
     """Samples close enough together to be the places where another surface may lie.
 
     Split edges add vertices to the working mesh but nothing to its shape: distances are measured
-    on the mesh before the split, at a third of the cost, and carried over.
+    on the mesh before the split, at a third of the cost, and carried over. Distances and
+    directions are rounded to about 1e-4, far below their own error of half a percent, so that a
+    file of them is small and read at once.
     """
     mesh = working.mesh
     split = working.placed.vertex_count < mesh.vertex_count
@@ -123,7 +126,8 @@ def dense_samples(working: WorkingSurface, frames: Frames) -> Samples:
     distances = measured.astype(np.float32)
     if split:
         distances = np.concatenate([distances, _carried(distances, ruler, mesh)], axis=1)
-    return Samples.of(vertices, distances, _directions(mesh, vertices, distances, frames))
+    directions = _directions(mesh, vertices, distances, frames)
+    return Samples.of(vertices, rounded(distances), rounded(directions))
 
 
 def sparse_samples(

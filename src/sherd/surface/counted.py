@@ -1,0 +1,48 @@
+"""Numbers as whole multiples of a step: half the bytes of float32, and exact once rounded."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sherd.arrays import Singles
+
+__all__ = ["counts_of", "numbers_of", "rounded"]
+
+# Counts reach so far on either side of 0 and still are float32 exactly when multiplied by a power
+# of two; the one below them stands for what is infinite.
+MOST = 32767
+INFINITE = -32768
+# Below it all numbers are 0: float32 would lose its exactness.
+LEAST_STEP = 2.0**-100
+
+
+def counts_of(values: Singles) -> tuple[NDArray[np.int16], float]:
+    """Counts (any shape) and the step that give `values` back, as near as half a step.
+
+    The step is the least power of two by which `MOST` counts reach the largest finite number. It is
+    the same or finer for numbers that are :func:`rounded`, so these come back exactly.
+
+    Parameters
+    ----------
+    values
+        Finite or +inf, not nan.
+    """
+    finite = np.isfinite(values)
+    largest = float(np.abs(values[finite]).max(initial=0.0))
+    step = max(LEAST_STEP, 2.0 ** np.ceil(np.log2(largest / MOST))) if largest > 0 else 1.0
+    counts = np.full(values.shape, INFINITE, dtype=np.int16)
+    np.rint(values / np.float32(step), out=counts, where=finite, casting="unsafe")
+    return counts, float(step)
+
+
+def numbers_of(counts: NDArray[np.int16], step: float) -> Singles:
+    """The numbers (float32) of :func:`counts_of`."""
+    values: Singles = counts * np.float32(step)
+    values[counts == INFINITE] = np.inf
+    return values
+
+
+def rounded(values: Singles) -> Singles:
+    """`values` with the bits that they have once they were stored as counts."""
+    return numbers_of(*counts_of(values))
