@@ -16,8 +16,8 @@ from sherd import compiled
 ROOT = Path(sherd.__file__).parent
 CODE = """
 import numpy as np
-from sherd.spectral.farthest_kernel import farthest_points
-print(farthest_points(np.eye(3), 2, 0).tolist())
+from sherd.spectral.farthest_kernel import farthest_in_space
+print(farthest_in_space(np.eye(3), 2, 0).tolist())
 """
 
 

@@ -10,14 +10,12 @@ from typing import Unpack
 import numpy as np
 
 from sherd.arrays import Bools, Floats, frozen
-from sherd.correspondence.labels.labeling import SAME_SCALE
 from sherd.correspondence.plausibility import (
     FEATURELESS,
     belonging_chance,
     first_energy_ratio,
     self_likeness,
 )
-from sherd.correspondence.question import Question
 from sherd.energy.cleanup import raised_to_area, threshold_to_area
 from sherd.mesh.sides import bulge
 from sherd.mesh.sizes import check_sizes
@@ -41,7 +39,7 @@ __all__ = ["STAGES", "locate", "locate_one_side"]
 
 # Of the default method.
 STAGES = (
-    "samples", "descriptors", "eigenbasis", "votes", "region", "alternatives", "belonging",
+    "descriptors", "eigenbasis", "samples", "votes", "region", "alternatives", "belonging",
     "numbering",
 )  # fmt: skip
 
@@ -131,7 +129,16 @@ def locate_one_side(
     method = locate_by_voting if options.method == "voting" else locate_by_integrals
     chance, featureless = None, False
     belonging = partial(_belonging, template, described, options.seed)
-    judged = begun(belonging) if options.method == "voting" else None
+    judged = None
+    if options.method == "voting":
+        with one_blas_thread():
+            # both are asked for by all that follows, which fills two cores
+            eigenvectors = begun(lambda: template.basis(options.basis_size))
+            with stages("descriptors"):
+                _ = template.spread
+            with stages("eigenbasis"):
+                eigenvectors()
+        judged = begun(belonging)
     with one_blas_thread():
         found = method(template, described, options, stages)
     if judged is not None:
@@ -164,8 +171,7 @@ def locate_one_side(
 
 def _belonging(full: Template, part: DescribedSurface, seed: int) -> tuple[float, bool]:
     """The chance that the part belongs on the full shape, and whether it has no features."""
-    question = Question(full, part, SAME_SCALE)
-    ratio = first_energy_ratio(question, np.random.default_rng(seed))
+    ratio = first_energy_ratio(full, part, np.random.default_rng(seed))
     return belonging_chance(ratio), self_likeness(part) > FEATURELESS
 
 

@@ -7,11 +7,12 @@ import numpy as np
 from sherd.arrays import Floats
 from sherd.correspondence.confidence import LEAST, MOST
 from sherd.correspondence.labels.anchors import chance_energy, first_labeling
-from sherd.correspondence.placements import anchor_problem
+from sherd.correspondence.labels.labeling import SAME_SCALE, labeling_problem
 from sherd.correspondence.question import Question
 from sherd.correspondence.working_placement import WorkingPlacement
-from sherd.descriptors.rotation_shot import similarity, trusted_equally
+from sherd.descriptors.rotation_shot import pooled_similarity, similarity, trusted_equally
 from sherd.surface.described import RADII, DescribedSurface
+from sherd.surface.transformed import coarsely_labeled
 
 __all__ = [
     "FEATURELESS",
@@ -87,12 +88,20 @@ def placement_chance(features: Floats) -> float:
     return _logistic(features, COEFFICIENTS)
 
 
-def first_energy_ratio(question: Question, rng: np.random.Generator) -> float:
+def first_energy_ratio(
+    full: DescribedSurface, part: DescribedSurface, rng: np.random.Generator
+) -> float:
     """Energy of a first labeling over what it would be if nothing belonged together.
 
-    Says whether the part belongs at all without placing it.
+    Says whether the part belongs at all without placing it: its nodes are labeled with the `coarse`
+    samples of the full shape, which look as the `spread` vertices nearest to them do.
     """
-    problem = anchor_problem(question, rng)
+    seen, labels = full.spread, full.coarse
+    spectra = seen.axes.project(part.trusted_spectra(part.sparse.vertices))
+    cells = labels.cells[seen.vertices]
+    similar = pooled_similarity(seen.spectra, spectra, cells, len(labels))
+    question = Question(coarsely_labeled(full), part, SAME_SCALE)
+    problem = labeling_problem(question, similar, rng)
     return first_labeling(problem).energy / max(chance_energy(problem, rng), 1e-12)
 
 

@@ -18,6 +18,7 @@ votes weighted by vertex area (meshing cancels), several radii.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 
@@ -154,18 +155,20 @@ def pooled_similarity(
 def _compared(full_spectra: Singles, part_spectra: Singles) -> Iterator[tuple[slice, Singles]]:
     """Slices of the part points, and the 8 numbers (8, q', n) that rotations are made from.
 
-    Blocks keep the memory near 100 MB; one BLAS thread for each product keeps the bits independent
-    of the number of cores.
+    All blocks are written to one place of 16 MB, so a slice must be used before the next is asked
+    for; one BLAS thread for each product keeps the bits independent of the number of cores.
     """
     count, vertices = part_spectra.shape[1], full_spectra.shape[1]
-    block = max(1, int(3e6) // max(vertices, 1))
+    block = max(1, int(5e5) // max(vertices, 1))
+    memory = np.empty(AZIMUTHS * min(block, count) * vertices, dtype=np.float32)
     half = part_spectra.shape[2] // 2
     widths = [2 * half if k in _IMAGINARY else half for k in _REAL]
     turned = np.concatenate([part_spectra[:, :, half:], -part_spectra[:, :, :half]], axis=2)
     with one_blas_thread(), ThreadPoolExecutor(thread_count()) as pool:
         for start in range(0, count, block):
             rows = slice(start, min(start + block, count))
-            parts = np.empty((AZIMUTHS, rows.stop - start, vertices), dtype=np.float32)
+            shape = (AZIMUTHS, rows.stop - start, vertices)
+            parts = memory[: math.prod(shape)].reshape(shape)
             products: list[tuple[Singles, Singles, Singles]] = [
                 (part_spectra[k, rows, :width], full_spectra[k, :, :width].T, parts[k])
                 for k, width in zip(_REAL, widths, strict=True)

@@ -8,7 +8,6 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from sherd.arrays import Bools, Floats, Ints, Singles
-from sherd.descriptors.principal_spectra import principal_axes
 from sherd.descriptors.rotation_shot import mirrored_spectra, similarity
 from sherd.energy.cleanup import clean_region
 from sherd.energy.logistic import LogisticOptions, LogisticRegion, logistic_regions
@@ -22,7 +21,6 @@ from sherd.region.weights import chosen_weights
 from sherd.results.locate_options import LocateOptions
 from sherd.results.placement import Placement
 from sherd.spectral.basis import EigenBasis
-from sherd.spectral.sampling import farthest_point_sample_euclidean
 from sherd.surface.described import LEAST_TRUST, RADII, DescribedSurface
 from sherd.surface.samples import Samples
 from sherd.threads import begun
@@ -32,11 +30,6 @@ __all__ = ["locate_by_voting"]
 # The data term asks for the whole area of each of this many groups of samples: as many as there
 # are body parts to tell apart, and few enough to keep the products small.
 GROUP_COUNT = 32
-# Candidates lie 0.013 apart, a third of the smallest radius, so that one of them sees nearly what
-# the best vertex would see.
-CANDIDATE_COUNT = 6000
-# A fifth of the candidates, as many as there are labels in matching, tell what spectra look like.
-AXES_STEP = 5
 # An alternative that shares this much of the best region's votes is the same placement.
 SAME_PLACE = 0.5
 # One start costs little, so the rounds may take as long as small parts with long borders need.
@@ -81,14 +74,13 @@ def locate_by_voting(
     """Locate `part` on `full`; see :func:`sherd.locate`."""
     mesh = full.mesh
     fraction = min(part.mesh.area, mesh.area)
-    eigenvectors = begun(lambda: full.basis(options.basis_size))
     with stages("samples"):
         samples = part.sparse
-        candidates = _candidates(mesh)
     with stages("descriptors"):
-        similarities = _compared(full, part, candidates)
+        candidates = full.spread.vertices
+        similarities = _compared(full, part)
     with stages("eigenbasis"):
-        basis = eigenvectors()
+        basis = full.basis(options.basis_size)
     poll = _Poll(
         mesh,
         basis,
@@ -118,25 +110,13 @@ def locate_by_voting(
     )
 
 
-def _candidates(mesh: TriangleMesh) -> Ints:
-    """Vertices spread evenly over the full shape, all of them if they are few."""
-    used = np.unique(mesh.faces)
-    if len(used) <= CANDIDATE_COUNT:
-        return used
-    points = mesh.vertices[used]
-    start = int(np.linalg.norm(points - points.mean(axis=0), axis=1).argmax())
-    return used[farthest_point_sample_euclidean(points, CANDIDATE_COUNT, start=start)]
-
-
-def _compared(full: DescribedSurface, part: DescribedSurface, candidates: Ints) -> Similarities:
+def _compared(full: DescribedSurface, part: DescribedSurface) -> Similarities:
     """Rotation-searched SHOT of the samples against the candidates.
 
     Radii that reach over the cut count less.
     """
-    full_spectra = full.spectra_at(candidates)
-    samples = part.sparse.vertices
-    axes = principal_axes(full_spectra[:, ::AXES_STEP])
-    seen, sought = axes.project(full_spectra), axes.project(part.trusted_spectra(samples))
+    seen, axes = full.spread.spectra, full.spread.axes
+    sought = axes.project(part.trusted_spectra(part.sparse.vertices))
     return Similarities(similarity(seen, sought), similarity(seen, mirrored_spectra(sought)))
 
 

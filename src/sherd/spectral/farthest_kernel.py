@@ -7,11 +7,11 @@ import numpy as np
 from sherd.arrays import Floats, Ints
 from sherd.compiled import compiled
 
-__all__ = ["farthest_along_paths", "farthest_points"]
+__all__ = ["farthest_along_paths", "farthest_in_space"]
 
 
 @compiled()
-def farthest_points(points: Floats, count: int, start: int) -> Ints:
+def farthest_in_space(points: Floats, count: int, start: int) -> Ints:
     """Indices (count,) of a greedy farthest-point sample of points (n, 3); first index on ties."""
     size = len(points)
     nearest = np.full(size, np.inf)

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 from scipy import sparse
 from scipy.sparse import csgraph
 
-from sherd.arrays import Floats, Ints
+from sherd.arrays import Floats, Ints, Singles
 from sherd.errors import InvalidMeshError
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.spectral.heat_flow import heat_flow
@@ -20,6 +20,11 @@ __all__ = ["Geodesics"]
 # Nothing is nearer to a source than itself. On the tip of a spike the heat method may say so; by
 # more than two edges it has failed there, and paths are taken.
 BEHIND = 2.0
+
+
+# Distances from so many sources are float64 at once: 20 MB for 10,000 vertices. A multiple of what
+# the compiled loop takes together on every core.
+BLOCK = 256
 
 
 class Geodesics:
@@ -80,6 +85,14 @@ class Geodesics:
         """Distance from each source vertex to every vertex, (s, n) l; inf if not connected."""
         indices = self._checked(sources)
         return self._from_sets(indices, np.arange(len(indices) + 1))
+
+    def singles_from(self, sources: ArrayLike) -> Singles:
+        """`distances_from` in float32; half the memory, for many sources."""
+        indices = self._checked(sources)
+        found = np.empty((len(indices), self._count), dtype=np.float32)
+        for start in range(0, len(indices), BLOCK):
+            found[start : start + BLOCK] = self.distances_from(indices[start : start + BLOCK])
+        return found
 
     def distances_to_set(self, sources: ArrayLike) -> Floats:
         """Distance from every vertex to the nearest of the sources, (n,) l; inf if none."""

@@ -15,7 +15,13 @@ from sherd.spectral.evening import evened, flipped_to_delaunay
 from sherd.spectral.geodesics import Geodesics
 from sherd.spectral.subdivision import split_long_edges
 
-__all__ = ["decimate", "farthest_point_sample", "farthest_point_sample_euclidean", "remesh"]
+__all__ = [
+    "decimate",
+    "farthest_point_sample",
+    "farthest_point_sample_euclidean",
+    "farthest_points",
+    "remesh",
+]
 
 
 # pyfqmr stops short when its error threshold grows too slowly; it goes on from where it stopped.
@@ -33,7 +39,32 @@ VERTICES_PER_AREA = 2 / np.sqrt(3)
 
 
 def farthest_point_sample(geodesics: Geodesics, count: int, *, start: int) -> tuple[Ints, Floats]:
-    """A sample of vertices, each the farthest from those before it, with its distances.
+    """The :func:`farthest_points` of a mesh and their distances.
+
+    Parameters
+    ----------
+    geodesics, count, start
+        As there, and what is raised.
+
+    Returns
+    -------
+    indices, distances
+        (c,) int and (c, n) float, l: geodesic distance from each sample to every vertex, inf where
+        not connected. No vertex is farther along paths from the sample than two samples are from
+        each other.
+
+    Notes
+    -----
+    c distance computations, all at once; memory 8 c n bytes.
+    """
+    chosen = farthest_points(geodesics, count, start=start)
+    return chosen, geodesics.distances_from(chosen)
+
+
+def farthest_points(geodesics: Geodesics, count: int, *, start: int) -> Ints:
+    """A sample (count,) of vertices, each the farthest from those before it.
+
+    The first ones of a sample are the sample of fewer.
 
     Which is the farthest is measured along paths of edges and of straight lines across two
     triangles, a few percent longer than geodesics; the distances are geodesic. Vertices of a
@@ -51,21 +82,10 @@ def farthest_point_sample(geodesics: Geodesics, count: int, *, start: int) -> tu
     start
         The first sample.
 
-    Returns
-    -------
-    indices, distances
-        (c,) int and (c, n) float, l: geodesic distance from each sample to every vertex, inf where
-        not connected. No vertex is farther along paths from the sample than two samples are from
-        each other.
-
     Raises
     ------
     OptionError
         If `count` is out of range or `start` is no vertex with a face.
-
-    Notes
-    -----
-    c distance computations, all at once; memory 8 c n bytes.
 
     References
     ----------
@@ -81,7 +101,7 @@ def farthest_point_sample(geodesics: Geodesics, count: int, *, start: int) -> tu
     chosen: Ints = farthest_along_paths(
         paths.indptr, paths.indices, paths.data, ranks, count, start
     )
-    return chosen, geodesics.distances_from(chosen)
+    return chosen
 
 
 def farthest_point_sample_euclidean(points: ArrayLike, count: int, *, start: int) -> Ints:
@@ -96,11 +116,12 @@ def farthest_point_sample_euclidean(points: ArrayLike, count: int, *, start: int
     -----
     Compiled loop, O(count n): 1,000 of 1,000,000 points in about 2 s.
     """
-    from sherd.spectral.farthest_kernel import farthest_points  # numba loads slowly  # noqa: PLC0415
+    # numba loads slowly
+    from sherd.spectral.farthest_kernel import farthest_in_space  # noqa: PLC0415
 
     array = np.ascontiguousarray(points, dtype=np.float64)
     _check_sample(count, start, np.arange(len(array)))
-    chosen: Ints = farthest_points(array, count, start)
+    chosen: Ints = farthest_in_space(array, count, start)
     return chosen
 
 

@@ -18,11 +18,12 @@ from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.spectral.basis import EigenBasis, eigenbasis
 from sherd.spectral.geodesics import Geodesics
+from sherd.spectral.sampling import farthest_point_sample_euclidean
 from sherd.surface.elastic_surface import ElasticSurface, elastic_surface
-from sherd.surface.samples import Samples, dense_samples, sparse_samples
+from sherd.surface.samples import COARSE_COUNT, Samples, dense_samples, sparse_samples
 from sherd.surface.working import WorkingSurface
 
-__all__ = ["LEAST_TRUST", "NO_CUT", "RADII", "REFERENCE", "DescribedSurface", "Known"]
+__all__ = ["LEAST_TRUST", "NO_CUT", "RADII", "REFERENCE", "DescribedSurface", "Known", "Spread"]
 
 # All lengths are in units of sqrt(area of the full shape).
 # Neighborhoods from the smallest that holds some 40 vertices of a 10,000-vertex mesh to the
@@ -37,8 +38,32 @@ AXIS_WIDTH = 0.012
 REFERENCE = np.array([1.0, 0.3, 0.2])
 # So many spectra are described before they are projected: 20 MB, instead of all at once.
 BLOCK = 4096
+# `Spread` vertices of a whole lie 0.013 apart, a third of the smallest radius, so that one of them
+# sees nearly what the best vertex would see.
+SPREAD_COUNT = 6000
+# A fifth of them, as many as there are labels in matching, tell what spectra look like.
+AXES_STEP = 5
 # Stands for "no cut at all": longer than any geodesic that matters.
 NO_CUT = 9.0
+
+
+@dataclass(frozen=True, eq=False)
+class Spread:
+    """Vertices spread evenly over a surface, a third of the smallest neighborhood apart.
+
+    Attributes
+    ----------
+    vertices
+        (c,) int, all that have a face if they are few.
+    axes
+        What their spectra and those compared with them are projected to.
+    spectra
+        (5, c, 2 k) projected, in the `frames` of the vertices.
+    """
+
+    vertices: Ints
+    axes: PrincipalAxes
+    spectra: Singles
 
 
 @dataclass(frozen=True, eq=False)
@@ -164,6 +189,19 @@ class DescribedSurface:
         return dense_samples(self.working, self.frames)
 
     @cached_property
+    def coarse(self) -> Samples:
+        """Fewer samples of the same kind as `dense`: labels where only likeness is asked for."""
+        return dense_samples(self.working, self.frames, COARSE_COUNT)
+
+    @cached_property
+    def spread(self) -> Spread:
+        """The surface as it looks from vertices spread evenly over it."""
+        vertices = _spread_vertices(self.mesh)
+        spectra = self.spectra_at(vertices)
+        axes = principal_axes(spectra[:, ::AXES_STEP])
+        return Spread(vertices, axes, axes.project(spectra))
+
+    @cached_property
     def sparse(self) -> Samples:
         """Samples that are placed on another surface: nodes."""
         if self._known.sparse is not None:
@@ -254,3 +292,12 @@ class DescribedSurface:
             z_axes=z_axes,
             radii=RADII,
         )
+
+
+def _spread_vertices(mesh: TriangleMesh) -> Ints:
+    used = np.unique(mesh.faces)
+    if len(used) <= SPREAD_COUNT:
+        return used
+    points = mesh.vertices[used]
+    start = int(np.linalg.norm(points - points.mean(axis=0), axis=1).argmax())
+    return used[farthest_point_sample_euclidean(points, SPREAD_COUNT, start=start)]

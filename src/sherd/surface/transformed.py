@@ -11,7 +11,7 @@ from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.surface.described import NO_CUT, DescribedSurface, Known
 from sherd.surface.working import WorkingSurface
 
-__all__ = ["enlarged", "mirrored", "thinned"]
+__all__ = ["coarsely_labeled", "enlarged", "mirrored", "thinned"]
 
 FLIP = np.array([-1.0, 1.0, 1.0])
 
@@ -60,6 +60,15 @@ def thinned(surface: DescribedSurface, count: int) -> DescribedSurface:
             cut_distance=surface.cut_distance,
             sparse=surface.sparse.thinned(count),
         ),
+    )
+
+
+def coarsely_labeled(surface: DescribedSurface) -> DescribedSurface:
+    """The surface with its `coarse` samples for labels."""
+    return DescribedSurface(
+        surface.working,
+        reference=surface.reference,
+        known=Known(normals=surface.normals, dense=surface.coarse),
     )
 
 
