@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from sherd.benchmark.row_file import stored_rows, write_rows
+from sherd.benchmark.row_file import content_hash
 from sherd.benchmark.runner import measured_rows
 from sherd.errors import OptionError
 
@@ -65,3 +66,16 @@ def test_rows_are_read_back_only_for_the_same_settings(tmp_path) -> None:
     assert stored_rows(path, {"seed": 0}, Measured) == []
     path.write_text("[")
     assert stored_rows(path, {"seed": 0}, Measured) == []
+
+
+def test_rows_depend_on_what_files_hold_and_not_on_where_they_lie(tmp_path) -> None:
+    for folder in ("one", "other"):
+        (tmp_path / folder / "poses").mkdir(parents=True)
+        (tmp_path / folder / "poses" / "a.off").write_text("a")
+    one, other = tmp_path / "one" / "poses", tmp_path / "other" / "poses"
+    assert content_hash([one]) == content_hash([other, other])
+    (other / "a.off").write_text("b")
+    assert content_hash([one]) != content_hash([other])
+    (other / "a.off").rename(other / "b.off")
+    (one / "a.off").write_text("b")
+    assert content_hash([one]) != content_hash([other])

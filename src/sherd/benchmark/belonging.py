@@ -15,7 +15,7 @@ from sherd._version import __version__
 from sherd.arrays import Floats
 from sherd.benchmark.datasets.pairs import seed_of
 from sherd.benchmark.datasets.shrec16 import PairFiles, shrec16_pairs
-from sherd.benchmark.row_file import stored_rows, write_rows
+from sherd.benchmark.row_file import content_hash, stored_rows, write_rows
 from sherd.benchmark.runner import measured_rows
 from sherd.errors import InfeasibleError
 from sherd.files.mesh_files import read_mesh
@@ -115,7 +115,8 @@ def belonging_benchmark(
         if others:
             cases.append(BelongingCase(part, others[seed_of(part.name, 1) % len(others)]))
     cases.sort(key=lambda case: str(case.full))  # each full shape is prepared once
-    question = {"version": __version__, "remeshed": remeshed is not None}
+    inputs = content_hash(path for part in parts for path in part.inputs)
+    question = {"version": __version__, "remeshed": remeshed is not None, "inputs": inputs}
     path = output / "belonging.json"
     known = {row.case: row for row in stored_rows(path, question, BelongingRow)}
 

@@ -15,7 +15,7 @@ from sherd.output import write_text
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
 
-__all__ = ["pair_file", "stored_rows", "write_rows"]
+__all__ = ["content_hash", "pair_file", "stored_rows", "write_rows"]
 
 Row = TypeVar("Row", bound="DataclassInstance")
 
@@ -47,6 +47,17 @@ def pair_file(output: Path, pair: Pair, settings: DataclassInstance) -> Path:
     for path in pair.inputs:
         content.update(path.read_bytes() if path.exists() else b"")
     return output / "pairs" / f"{content.hexdigest()[:24]}.json"
+
+
+def content_hash(paths: Iterable[Path]) -> str:
+    """A hash of what files and folders hold, and of their names, so that rows of others differ."""
+    digest = hashlib.sha256()
+    for path in sorted(set(paths)):
+        files = sorted(path.iterdir()) if path.is_dir() else [path]
+        for file in files:
+            digest.update(f"{file.name}\0".encode())
+            digest.update(hashlib.sha256(file.read_bytes()).digest() if file.is_file() else b"")
+    return digest.hexdigest()[:24]
 
 
 def stored_rows(path: Path, settings: Mapping[str, Any], row: type[Row]) -> list[Row]:

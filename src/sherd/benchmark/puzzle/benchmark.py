@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any, Literal
@@ -14,6 +14,7 @@ import numpy as np
 from sherd._version import __version__
 from sherd.benchmark.puzzle.measurement import Measured, PuzzleRow, measured_puzzle
 from sherd.benchmark.puzzle.sources import puzzle_sources
+from sherd.benchmark.row_file import content_hash
 from sherd.benchmark.runner import measured_rows
 from sherd.limits import require_whole
 from sherd.output import write_text
@@ -61,17 +62,20 @@ def puzzle_benchmark(
     """
     if limit is not None:
         require_whole("puzzles", limit, 1, 10**6, "no folder has more puzzles")
+    puzzles = puzzle_sources(directory, individuals)
     sources = [
         source
-        for source in puzzle_sources(directory, individuals)
+        for source in puzzles
         if (not only or source.name in only) and (not counts or source.count in counts)
     ][:limit]
     path = output / "puzzle.json"
-    known = {row.puzzle: row for row in _stored(path)}
+    inputs = content_hash(each for source in puzzles for each in (source.path, *source.others))
+    question = {"version": __version__, "inputs": inputs}
+    known = {row.puzzle: row for row in _stored(path, question)}
 
     def keep(name: str, row: PuzzleRow) -> None:
         known[name] = row
-        _write(path, list(known.values()))
+        _write(path, question, list(known.values()))
 
     return measured_rows(sources, measured_puzzle, known=dict(known), keep=keep, jobs=jobs)
 
@@ -138,26 +142,26 @@ def _shown(value: float | None, digits: int, factor: float = 1.0) -> str:
     return "-" if value is None else f"{factor * value:.{digits}f}"
 
 
-def _write(path: Path, rows: Sequence[PuzzleRow]) -> None:
+def _write(path: Path, question: Mapping[str, str], rows: Sequence[PuzzleRow]) -> None:
     content = {
-        "version": __version__,
+        **question,
         "totals": {way: puzzle_totals(rows, way) for way in WAYS},
         "rows": [asdict(row) for row in rows],
     }
     write_text(path, json.dumps(plain(content), indent=1, allow_nan=False) + "\n")
 
 
-def _stored(path: Path) -> list[PuzzleRow]:
+def _stored(path: Path, question: Mapping[str, str]) -> list[PuzzleRow]:
     try:
         content = json.loads(path.read_text(encoding="utf-8"))
-        if content["version"] != __version__:
+        if any(content[name] != value for name, value in question.items()):
             return []
         return [
             PuzzleRow(**{**row, **{way: _measured(row[way]) for way in WAYS}})
             for row in content["rows"]
         ]
     except (OSError, ValueError, KeyError, TypeError):
-        return []  # no file yet, or one of another version
+        return []  # no file yet, or one of other files or another version
 
 
 def _measured(stored: dict[str, Any]) -> Measured:
