@@ -8,8 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from sherd.benchmark.row_file import stored_rows, write_rows
-from sherd.benchmark.row_file import content_hash
+from sherd.benchmark.row_file import content_hash, stored_rows, write_rows
 from sherd.benchmark.runner import measured_rows
 from sherd.errors import OptionError
 
