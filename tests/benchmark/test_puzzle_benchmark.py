@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+from sherd.benchmark.puzzle import joining
 from sherd.benchmark.puzzle.benchmark import puzzle_benchmark, puzzle_table, puzzle_totals
 from sherd.benchmark.puzzle.measurement import BAD
-from sherd.benchmark.puzzle.sources import KINDS, puzzle_sources
+from sherd.benchmark.puzzle.sources import KINDS, Puzzle, puzzle_sources
 from sherd.errors import MeshFileError
 from sherd.files.mesh_files import write_mesh
+from sherd.mesh.surface_points import closest_points
 from sherd.shapes import creature
 
 
@@ -63,6 +66,39 @@ def test_a_puzzle_is_measured_beside_single_matches_and_kept(animals, tmp_path) 
     assert (tmp_path / "puzzle.json").read_bytes() == before
     assert "one 2 disjoint" in puzzle_table([row])
     assert puzzle_totals([row], "together")["own"] == 2
+
+
+def test_pieces_without_a_whole_are_measured_and_kept(animals, tmp_path, monkeypatch) -> None:
+    puzzle = joining.sources_of_joining(animals, 2)[0].load()
+    assert len(puzzle.own) == 2
+    assert len(puzzle.foreign) == 1
+    answer = SimpleNamespace(
+        groups=((0, 1), (2,)), maps=_true_maps(puzzle), cycle_before=np.nan, cycle_after=np.nan
+    )
+    monkeypatch.setattr(joining, "join", lambda pieces: answer)
+    (row,) = joining.join_benchmark(animals, tmp_path, count=2, limit=1)
+    assert row.right
+    assert row.error is not None
+    assert row.error < 0.001
+    assert row.known > 0.97
+    before = (tmp_path / "join.json").read_bytes()
+    assert joining.join_benchmark(animals, tmp_path, count=2, limit=1) == [row]
+    assert (tmp_path / "join.json").read_bytes() == before
+    assert "groups right in 1 of 1" in joining.join_table([row])
+    answer.groups = ((0, 2), (1,))
+    (row,) = joining.join_benchmark(animals, tmp_path / "other", count=2, limit=1)
+    assert (row.together, row.foreign_alone, row.right) == (1, False, False)
+    assert "a foreign piece joined" in joining.join_table([row])
+
+
+def _true_maps(puzzle: Puzzle) -> dict[tuple[int, int], SimpleNamespace]:
+    images = [piece.mesh.with_vertices(piece.truth.positions(puzzle.full)) for piece in puzzle.own]
+    maps = {}
+    for here, there in ((0, 1), (1, 0)):
+        points = closest_points(images[there], images[here].vertices)
+        off = np.linalg.norm(points.positions(images[there]) - images[here].vertices, axis=1)
+        maps[here, there] = SimpleNamespace(points=points, matched=off < 0.01 * puzzle.full.length)
+    return maps
 
 
 def test_a_folder_without_animated_shapes_is_refused(tmp_path) -> None:

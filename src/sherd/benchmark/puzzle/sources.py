@@ -18,7 +18,14 @@ from sherd.shapes.fragment import Fragment, moved, remeshed, with_clutter
 from sherd.shapes.puzzle import puzzle_pieces
 from sherd.spectral.sampling import decimate
 
-__all__ = ["KINDS", "Puzzle", "PuzzleSource", "animated_shapes", "puzzle_sources"]
+__all__ = [
+    "KINDS",
+    "OVERLAPPING_FOREIGN",
+    "Puzzle",
+    "PuzzleSource",
+    "animated_shapes",
+    "puzzle_sources",
+]
 
 # As many as the SHREC'16 shapes have; the animations have fewer and stay as they are.
 VERTICES = 10_000
@@ -29,6 +36,8 @@ OVERLAP, CLUTTER = 0.1, 0.05
 # A foreign piece is one of so many of its own whole.
 FOREIGN_COUNT = 4
 KINDS = ("disjoint", "overlapping", "missing", "foreign", "missing and foreign", "clutter")
+# What is joined without a whole.
+OVERLAPPING_FOREIGN = "overlapping and foreign"
 SUFFIXES = (".obj", ".off", ".ply")
 
 
@@ -112,7 +121,7 @@ class PuzzleSource:
         full = poses[0]
         order = 1 + rng.permutation(len(poses) - 1)
         posed = [poses[order[k % len(order)]] for k in range(self.count)]
-        overlap = OVERLAP if self.kind == "overlapping" else 0.0
+        overlap = OVERLAP if "overlapping" in self.kind else 0.0
         start = int(rng.integers(full.vertex_count))
         cut = puzzle_pieces(full, posed, start=start, overlap=overlap)
         labels = _cells(cut, full)

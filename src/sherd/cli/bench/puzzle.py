@@ -1,4 +1,4 @@
-"""`sherd bench puzzle`."""
+"""`sherd bench puzzle` and `sherd bench join`."""
 
 from __future__ import annotations
 
@@ -7,8 +7,9 @@ from pathlib import Path
 import click
 
 from sherd.benchmark.puzzle.benchmark import puzzle_benchmark, puzzle_table
+from sherd.benchmark.puzzle.joining import join_benchmark, join_table
 
-__all__ = ["puzzle_command"]
+__all__ = ["join_command", "puzzle_command"]
 
 
 @click.command("puzzle")
@@ -53,4 +54,25 @@ def puzzle_command(
         jobs=jobs,
     )
     click.echo(puzzle_table(rows))
+    return 0
+
+
+@click.command("join")
+@click.argument("directory", type=click.Path(path_type=Path))
+@click.option("--pieces", "count", type=int, default=6, show_default=True, help="Of each whole.")
+@click.option("--puzzles", "limit", type=int, help="First puzzles only; two of each shape if none.")
+@click.option("--jobs", type=int, default=1, show_default=True, help="Processes.")
+@click.option("-o", "--output", type=click.Path(path_type=Path), required=True, help="Folder.")
+def join_command(directory: Path, *, count: int, limit: int | None, jobs: int, output: Path) -> int:
+    """Join overlapping pieces of animated shapes and a foreign one, without a whole.
+
+    DIRECTORY holds an .npz file or a folder of meshes for each shape, two at least. Each piece has
+    a pose of its own and shares a tenth with its neighbors; one more is of another shape. Writes
+    join.json; goes on where an interrupted run stopped.
+
+    \b
+    Example:
+      sherd bench join tosca_poses/ -o bench/
+    """  # noqa: D301
+    click.echo(join_table(join_benchmark(directory, output, count=count, limit=limit, jobs=jobs)))
     return 0

@@ -18,7 +18,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from sherd.arrays import Bools, Floats, Ints
-from sherd.correspondence.labels.anchors import candidates_again, chance_energy, find_anchors
+from sherd.correspondence.labels.anchors import (
+    candidates_again,
+    chance_energy,
+    find_anchors,
+    first_labeling,
+)
 from sherd.correspondence.labels.consistent import consistent_nodes
 from sherd.correspondence.labels.labeling import NOWHERE_COST, Labeling, Problem, solve
 
@@ -53,6 +58,10 @@ class TwoLabelings:
     agreement
         Of the nodes that were worth their price, the share that both directions agree on:
         geometric mean of both, so that one direction alone proves nothing.
+    first_ratio
+        Energy of a first labeling, which has only similar places to choose from, over that by
+        chance, near 1 where nothing is alike; of the better direction, as a piece that lies within
+        the other shape is alike all over, and the other shape is not.
     """
 
     forward: Labeling
@@ -61,6 +70,7 @@ class TwoLabelings:
     backward_agrees: Bools
     chance: tuple[float, float]
     agreement: float
+    first_ratio: float
 
 
 def two_way_labelings(
@@ -77,7 +87,9 @@ def two_way_labelings(
     """
     problems = (forward, backward)
     chance = (chance_energy(forward, rngs[0]), chance_energy(backward, rngs[1]))
-    found = (find_anchors(forward), find_anchors(backward))
+    start = (first_labeling(forward), first_labeling(backward))
+    ratios = [one.energy / max(energy, 1e-12) for one, energy in zip(start, chance, strict=True)]
+    found = (find_anchors(forward, start=start[0]), find_anchors(backward, start=start[1]))
     priced = tuple(
         replace(problem, price=PRICE_SHARE * energy)
         for problem, energy in zip(problems, chance, strict=True)
@@ -98,7 +110,7 @@ def two_way_labelings(
         agreement = _agreement(found, agrees)
         # the next round hears only of what can be true together
         found = (_only(found[0], agrees[0]), _only(found[1], agrees[1]))
-    return TwoLabelings(*found, *agrees, chance, agreement)
+    return TwoLabelings(*found, *agrees, chance, agreement, min(ratios))
 
 
 def _agreement(found: tuple[Labeling, Labeling], agrees: tuple[Bools, Bools]) -> float:

@@ -30,10 +30,12 @@ NEIGHBORS = 8
 # Beyond this two placements disagree, and not more.
 MOST_APART = 0.3
 
-# Set by hand, not fitted: half way between what both directions agree on where cuts of one animal
-# overlap, 0.25 of the nodes that are worth their price and more, and on foreign ones, next to
-# nothing. Few pairs were looked at, so the number ranks answers rather than promises a frequency.
-CHANCE_COEFFICIENTS = (-5.0, 31.0)
+# A logistic regression over 80 pairs: cuts of a generated animal and of three animated ones with
+# cuts of themselves in another pose, sharing 0.02 to 0.9 of the larger, and with those of others.
+# Right is an error below 0.05, over what is shared and over what is matched. Of the 58 wrong or
+# foreign ones none is above 0.65, of the 22 right ones 3 are below. Strain, cost, likeness inside
+# and distance of the two directions told nothing more.
+CHANCE_COEFFICIENTS = (-0.9, 8.0, -7.8)
 
 
 def shared_confidence(part: TriangleMesh, queries: Queries, place: SharedPlacement) -> Floats:
@@ -60,13 +62,14 @@ def shared_confidence(part: TriangleMesh, queries: Queries, place: SharedPlaceme
     return result
 
 
-def overlap_chance(agreement: float) -> float:
-    """The chance that an overlap is right, by what both directions agree on.
+def overlap_chance(agreement: float, first_ratio: float) -> float:
+    """The chance that an overlap is right, by what both directions agree on and how alike it is.
 
-    `1 / (1 + exp(-(c_0 + c_1 agreement)))`, kept inside [0.005, 0.995]; see
+    `1 / (1 + exp(-(c_0 + c_1 agreement + c_2 first_ratio)))`, kept inside [0.005, 0.995]; see
     :class:`sherd.correspondence.labels.two_way.TwoLabelings`.
     """
-    raw = 1.0 / (1.0 + np.exp(-(CHANCE_COEFFICIENTS[0] + CHANCE_COEFFICIENTS[1] * agreement)))
+    features = np.array([1.0, agreement, first_ratio])
+    raw = 1.0 / (1.0 + np.exp(-features @ np.array(CHANCE_COEFFICIENTS)))
     return float(np.clip(raw, LEAST, MOST))
 
 

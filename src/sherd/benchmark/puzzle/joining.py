@@ -1,0 +1,205 @@
+"""Puzzles without a whole: which pieces belong together, and where they lie on each other."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from sherd._version import __version__
+from sherd.arrays import Floats
+from sherd.benchmark.metrics import evenly_spread
+from sherd.benchmark.puzzle.sources import OVERLAPPING_FOREIGN, Puzzle, PuzzleSource, puzzle_sources
+from sherd.benchmark.row_file import content_hash, stored_rows, write_rows
+from sherd.benchmark.runner import measured_rows
+from sherd.join import join
+from sherd.limits import require_whole
+from sherd.mesh.surface_points import SurfacePoints, closest_points
+from sherd.results.puzzle.joined import Joined
+from sherd.shapes.fragment import Fragment
+from sherd.spectral.surface_distances import SurfaceDistances
+
+__all__ = ["JoinRow", "join_benchmark", "join_table", "sources_of_joining"]
+
+
+@dataclass(frozen=True)
+class JoinRow:
+    """One puzzle without a whole.
+
+    Attributes
+    ----------
+    puzzle
+        Its name.
+    own, together, foreign_alone
+        How many pieces are of one thing, how many of these ended up in one group, and whether the
+        group has no other piece.
+    error
+        Mean over all maps between own pieces, of vertices that are given a point: distance from
+        the true one in sqrt(area) of the whole; None without maps.
+    known
+        Share of what two pieces share, by vertices, that is given a point; only of own pieces.
+    cycle_before, cycle_after
+        Of :class:`sherd.Joined`; None without loops.
+    seconds
+        Wall time.
+    """
+
+    puzzle: str
+    own: int
+    together: int
+    foreign_alone: bool
+    error: float | None
+    known: float
+    cycle_before: float | None
+    cycle_after: float | None
+    seconds: float
+
+    @property
+    def right(self) -> bool:
+        """Whether the groups are as they should be."""
+        return self.together == self.own and self.foreign_alone
+
+
+def sources_of_joining(directory: Path, count: int) -> list[PuzzleSource]:
+    """Two puzzles of each shape; the second is cut from elsewhere and in other poses.
+
+    Raises
+    ------
+    MeshFileError
+        See :func:`sherd.benchmark.puzzle.sources.puzzle_sources`.
+    """
+    shapes = {source.path: source for source in puzzle_sources(directory) if source.others}
+    return [
+        PuzzleSource(path, source.others, kind, count)
+        for kind in (OVERLAPPING_FOREIGN, f"{OVERLAPPING_FOREIGN}, again")
+        for path, source in sorted(shapes.items())
+    ]
+
+
+def join_benchmark(
+    directory: Path,
+    output: Path,
+    *,
+    count: int = 6,
+    limit: int | None = None,
+    jobs: int = 1,
+) -> list[JoinRow]:
+    """Join the pieces of animated shapes, which overlap by a tenth, and one of another shape.
+
+    Writes ``join.json`` after every puzzle, and goes on where an interrupted run stopped.
+
+    Parameters
+    ----------
+    directory
+        As in :func:`sherd.benchmark.puzzle.sources.puzzle_sources`; at least two shapes.
+    output
+        Folder.
+    count
+        Of pieces.
+    limit
+        How many puzzles; two of each shape if not given.
+    jobs
+        Processes.
+
+    Raises
+    ------
+    MeshFileError
+        If a file is missing or damaged.
+    OptionError
+        If a number is out of range.
+    OutputError
+        If the result cannot be written.
+    """
+    require_whole("pieces", count, 2, 12, "more pieces hardly overlap")
+    if limit is not None:
+        require_whole("puzzles", limit, 1, 10**6, "no folder has more puzzles")
+    sources = sources_of_joining(directory, count)
+    inputs = content_hash(path for each in sources for path in (each.path, *each.others))
+    question = {"version": __version__, "inputs": inputs}
+    path = output / "join.json"
+    known = {row.puzzle: row for row in stored_rows(path, question, JoinRow)}
+
+    def keep(name: str, row: JoinRow) -> None:
+        known[name] = row
+        write_rows(path, question, known.values())
+
+    return measured_rows(sources[:limit], _measured, known=dict(known), keep=keep, jobs=jobs)
+
+
+def join_table(rows: Sequence[JoinRow]) -> str:
+    """The rows and their means as text."""
+    width = max([len(row.puzzle) for row in rows], default=6) + 2
+    lines = [f"{'puzzle':<{width}}{'groups':>8}{'error':>7}{'known':>7}{'loops':>14}{'s':>6}"]
+    for row in rows:
+        groups = "right" if row.right else f"{row.together} of {row.own}"
+        loops = f"{_shown(row.cycle_before)} to {_shown(row.cycle_after)}"
+        lines.append(
+            f"{row.puzzle:<{width}}{groups:>8}{_shown(row.error):>7}{row.known:>7.2f}{loops:>14}"
+            f"{row.seconds:>6.0f}" + ("" if row.foreign_alone else "  a foreign piece joined")
+        )
+    errors = [row.error for row in rows if row.error is not None]
+    mean = _shown(float(np.mean(errors)) if errors else None)
+    right = sum(row.right for row in rows)
+    lines.append(f"groups right in {right} of {len(rows)}, mean error {mean}")
+    return "\n".join(lines)
+
+
+def _shown(value: float | None) -> str:
+    return "-" if value is None else f"{100 * value:.2f}"
+
+
+def _measured(source: PuzzleSource) -> JoinRow:
+    puzzle = source.load()
+    start = time.perf_counter()
+    answer = join([*(piece.mesh for piece in puzzle.own), *puzzle.foreign])
+    seconds = time.perf_counter() - start
+    own = set(range(len(puzzle.own)))
+    most = max(answer.groups, key=lambda group: len(own & set(group)))
+    errors, known = _errors(puzzle, answer)
+    return JoinRow(
+        puzzle=source.name,
+        own=len(own),
+        together=len(own & set(most)),
+        foreign_alone=set(most) <= own,
+        error=float(errors.mean()) if len(errors) else None,
+        known=known,
+        cycle_before=_number(answer.cycle_before),
+        cycle_after=_number(answer.cycle_after),
+        seconds=seconds,
+    )
+
+
+def _number(value: float) -> float | None:
+    return None if np.isnan(value) else value
+
+
+def _errors(puzzle: Puzzle, answer: Joined) -> tuple[Floats, float]:
+    """Errors of all vertices that are given a point, and the share of shared ones that are."""
+    distances = SurfaceDistances(puzzle.full)
+    found, given, shared = [], 0, 0
+    for here, piece in enumerate(puzzle.own):
+        for there, other in enumerate(puzzle.own):
+            if here == there:
+                continue
+            both = other.region[piece.truth.nearest_vertices(puzzle.full)]
+            shared += int(both.sum())
+            place = answer.maps.get((here, there))
+            if place is None:
+                continue
+            given += int((both & place.matched).sum())
+            rows = np.flatnonzero(place.matched)
+            rows = rows[evenly_spread(len(rows))]
+            if len(rows):
+                on_full = _on_full(puzzle, other, place.points[rows])
+                found.append(distances.between(piece.truth[rows], on_full))
+    return np.concatenate(found) if found else np.empty(0), given / max(shared, 1)
+
+
+def _on_full(puzzle: Puzzle, piece: Fragment, points: SurfacePoints) -> SurfacePoints:
+    """Where points of a piece lie on the whole."""
+    places = piece.truth.positions(puzzle.full)
+    corners = places[piece.mesh.faces[points.faces]]
+    return closest_points(puzzle.full, np.einsum("pk,pkx->px", points.barycentric, corners))
