@@ -170,7 +170,7 @@ def shared_by(
             for side, place in enumerate(placements)
         )
         curve = strain_curve(questions, placements)
-    chance = overlap_chance(labelings.agreement, labelings.first_ratio)
+    chance = overlap_chance(labelings.agreement, labelings.first_ratio, questions, placements)
     result = Overlap(
         first=intakes[0].original,
         second=intakes[1].original,
