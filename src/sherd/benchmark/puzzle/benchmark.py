@@ -13,7 +13,7 @@ import numpy as np
 
 from sherd._version import __version__
 from sherd.benchmark.puzzle.measurement import Measured, PuzzleRow, measured_puzzle
-from sherd.benchmark.puzzle.sources import puzzle_sources
+from sherd.benchmark.puzzle.sources import COUNTS, puzzle_sources
 from sherd.benchmark.row_file import content_hash
 from sherd.benchmark.runner import measured_rows
 from sherd.limits import require_whole
@@ -47,7 +47,7 @@ def puzzle_benchmark(
     output
         Folder.
     only, counts, limit
-        Names of puzzles, numbers of pieces, and how many puzzles; all if not given.
+        Names of puzzles, numbers of pieces (2, 4, 8 and 12 if not given), and how many puzzles.
     jobs
         Processes.
 
@@ -56,18 +56,14 @@ def puzzle_benchmark(
     MeshFileError
         If a file is missing or damaged.
     OptionError
-        If `limit` or `jobs` is below 1.
+        If `limit`, `jobs` or a number of pieces is out of range.
     OutputError
         If the result cannot be written.
     """
     if limit is not None:
         require_whole("puzzles", limit, 1, 10**6, "no folder has more puzzles")
-    puzzles = puzzle_sources(directory, individuals)
-    sources = [
-        source
-        for source in puzzles
-        if (not only or source.name in only) and (not counts or source.count in counts)
-    ][:limit]
+    puzzles = puzzle_sources(directory, individuals, counts=counts or COUNTS)
+    sources = [source for source in puzzles if not only or source.name in only][:limit]
     path = output / "puzzle.json"
     inputs = content_hash(each for source in puzzles for each in (source.path, *source.others))
     question = {"version": __version__, "inputs": inputs}

@@ -13,12 +13,14 @@ from sherd.arrays import Bools, Floats, Ints
 from sherd.benchmark.datasets.pairs import seed_of
 from sherd.errors import MeshFileError
 from sherd.files.mesh_files import read_mesh
+from sherd.limits import require_whole
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.shapes.fragment import Fragment, moved, remeshed, with_clutter
 from sherd.shapes.puzzle import puzzle_pieces
 from sherd.spectral.sampling import decimate
 
 __all__ = [
+    "COUNTS",
     "KINDS",
     "OVERLAPPING_FOREIGN",
     "Puzzle",
@@ -139,7 +141,9 @@ class PuzzleSource:
         return Puzzle(full, tuple(own), tuple(foreign), renamed[labels])
 
 
-def puzzle_sources(directory: Path, individuals: Path | None = None) -> tuple[PuzzleSource, ...]:
+def puzzle_sources(
+    directory: Path, individuals: Path | None = None, *, counts: tuple[int, ...] = COUNTS
+) -> tuple[PuzzleSource, ...]:
     """All puzzles of a folder with animated shapes, so ordered that the first few are of all kinds.
 
     Parameters
@@ -150,19 +154,25 @@ def puzzle_sources(directory: Path, individuals: Path | None = None) -> tuple[Pu
     individuals
         Another such folder: shapes of the same kind there, by the first word of their names, are
         other individuals.
+    counts
+        Into how many pieces wholes are cut, from 2 to 16.
 
     Raises
     ------
     MeshFileError
         If there are no animated shapes.
+    OptionError
+        If a count is out of range.
     """
+    for count in counts:
+        require_whole("pieces", count, 2, 16, "smaller pieces have too little to be told apart by")
     paths = _shapes(directory)
     found = []
-    for count in COUNTS:
+    for count in counts:
         for path in paths:
             others = tuple(each for each in paths if each != path)
             for kind in KINDS:
-                if ("missing" in kind and count < 4) or ("foreign" in kind and not others):
+                if ("missing" in kind and count < 3) or ("foreign" in kind and not others):
                     continue
                 found.append(PuzzleSource(path, others, kind, count))
     if individuals is not None:
@@ -170,7 +180,7 @@ def puzzle_sources(directory: Path, individuals: Path | None = None) -> tuple[Pu
             alike = tuple(each for each in _shapes(individuals) if _species(each) == _species(path))
             found += [
                 PuzzleSource(path, alike, "foreign", count, individual=True)
-                for count in COUNTS
+                for count in counts
                 if alike
             ]
     return tuple(sorted(found, key=lambda source: (source.count > 8, seed_of(source.name, 1))))

@@ -20,7 +20,9 @@ __all__ = ["join_command", "puzzle_command"]
     help="Another such folder, with other individuals of the same kinds.",
 )
 @click.option("--only", multiple=True, help="Names of puzzles; all if none.")
-@click.option("--pieces", "counts", type=int, multiple=True, help="2, 4, 8 or 12; all if none.")
+@click.option(
+    "--pieces", "counts", type=int, multiple=True, help="Of each whole; 2, 4, 8 and 12 if none."
+)
 @click.option("--puzzles", "limit", type=int, help="First puzzles only, which are of all kinds.")
 @click.option("--jobs", type=int, default=1, show_default=True, help="Processes.")
 @click.option("-o", "--output", type=click.Path(path_type=Path), required=True, help="Folder.")
