@@ -31,7 +31,9 @@ if TYPE_CHECKING:
     )
     from sherd.files.cloud_files import read_scan
     from sherd.files.mesh_files import read_mesh, write_mesh
+    from sherd.identify import identify
     from sherd.join import join
+    from sherd.library.folder import Library
     from sherd.locate import locate
     from sherd.match import match
     from sherd.mesh.point_cloud import PointCloud
@@ -43,6 +45,8 @@ if TYPE_CHECKING:
     from sherd.report.notebook import plot, show
     from sherd.report.stored.stored_match import read_match
     from sherd.report.write import write_report
+    from sherd.results.identification import CandidateAnswer, Identification
+    from sherd.results.identify_options import IdentifyOptions
     from sherd.results.locate_options import LocateOptions
     from sherd.results.locate_result import LocateResult
     from sherd.results.match_options import MatchOptions
@@ -61,11 +65,15 @@ if TYPE_CHECKING:
 _HOMES = {
     "AssembleOptions": "sherd.results.puzzle.assemble_options",
     "Assembly": "sherd.results.puzzle.assembly",
+    "CandidateAnswer": "sherd.results.identification",
     "Convergence": "sherd.energy.convergence",
+    "Identification": "sherd.results.identification",
+    "IdentifyOptions": "sherd.results.identify_options",
     "InfeasibleError": "sherd.errors",
     "InputError": "sherd.errors",
     "InvalidMeshError": "sherd.errors",
     "Joined": "sherd.results.puzzle.joined",
+    "Library": "sherd.library.folder",
     "LocateOptions": "sherd.results.locate_options",
     "LocateResult": "sherd.results.locate_result",
     "MatchOptions": "sherd.results.match_options",
@@ -85,6 +93,7 @@ _HOMES = {
     "Template": "sherd.surface.template",
     "TriangleMesh": "sherd.mesh.triangle_mesh",
     "assemble": "sherd.assemble",
+    "identify": "sherd.identify",
     "inspect": "sherd.repair.inspection",
     "join": "sherd.join",
     "locate": "sherd.locate",
@@ -104,11 +113,15 @@ _HOMES = {
 __all__ = [
     "AssembleOptions",
     "Assembly",
+    "CandidateAnswer",
     "Convergence",
+    "Identification",
+    "IdentifyOptions",
     "InfeasibleError",
     "InputError",
     "InvalidMeshError",
     "Joined",
+    "Library",
     "LocateOptions",
     "LocateResult",
     "MatchOptions",
@@ -129,6 +142,7 @@ __all__ = [
     "TriangleMesh",
     "__version__",
     "assemble",
+    "identify",
     "inspect",
     "join",
     "locate",

@@ -26,6 +26,16 @@ COMMANDS = {
         "assemble_command",
         "Find where all pieces of a puzzle belong.",
     ),
+    "identify": (
+        "sherd.cli.identifying",
+        "identify_command",
+        "Find which of several shapes a piece is of.",
+    ),
+    "template": (
+        "sherd.cli.templates",
+        "template_command",
+        "Prepare full shapes once, as a library.",
+    ),
     "view": ("sherd.cli.viewing", "view_command", "Open a report again, or draw it as PNG."),
     "transfer": (
         "sherd.cli.transferring",
@@ -68,6 +78,7 @@ def main(**_: Any) -> None:
       sherd locate template.ply scan.ply -o out/
       sherd overlap left.ply right.ply -o out/
       sherd assemble template.ply piece*.ply -o out/
+      sherd identify library/ scan.ply -o out/
       sherd view out/ --png
       sherd check scan.obj
     """  # noqa: D301

@@ -1,0 +1,108 @@
+"""The report of `sherd identify`: that of the likeliest match, with all full shapes in a table."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, replace
+from typing import Any
+
+import numpy as np
+
+from sherd.drawing.exhibit import Verdict
+from sherd.errors import InfeasibleError
+from sherd.report.files import table_csv
+from sherd.report.frame import Report
+from sherd.report.match_report import match_report
+from sherd.results.identification import CandidateAnswer, Identification
+from sherd.results.status import Status
+
+__all__ = ["candidates_csv", "identification_facts", "identify_report"]
+
+
+def identify_report(result: Identification, *, command: str = "") -> Report:
+    """All that is written of an identification: a folder that reads as that of a match.
+
+    Where the part belongs to none, the likeliest placement is shown for what it is.
+
+    Raises
+    ------
+    InfeasibleError
+        If no full shape was matched, as all are out of the question by their size.
+    """
+    first = result.candidates[0].match
+    if first is None:
+        raise InfeasibleError(f"{result.part.name}: {result.advice}")
+    report = match_report(first, command=command)
+    facts = identification_facts(result)
+    names = {each.name: f"evidence {each.evidence:.2f}; {each.said}" for each in result.candidates}
+    exhibit = replace(
+        report.exhibit,
+        title=f"{result.part.name} among {len(names)} shapes",
+        verdict=Verdict.from_advice(result.advice, trusted=result.status is Status.GOOD),
+        summary=(*_sentences(result), *report.exhibit.summary),
+        facts={"Full shapes": names, **report.exhibit.facts},
+    )
+    files = {**report.files, "candidates.csv": candidates_csv(result)}
+    document = {**report.document, "identification": facts}
+    return Report(document, exhibit, files, report.picture_name)
+
+
+def identification_facts(result: Identification) -> dict[str, Any]:
+    """What ``result.json`` says under ``identification``; see docs/schema/identification.json."""
+    best = result.best
+    return {
+        "status": result.status.name.lower(),
+        "advice": result.advice,
+        "full": None if best is None else best.name,
+        "also": [each.name for each in result.also],
+        "candidates": [_candidate_facts(each) for each in result.candidates],
+        "options": asdict(result.options),
+        "timings": dict(result.timings),
+    }
+
+
+def candidates_csv(result: Identification) -> str:
+    """``name,evidence,ratio,matched,status,chance,score,refused``, the likeliest first."""
+    rows = [_candidate_facts(each) for each in result.candidates]
+    return table_csv(
+        {
+            "name": np.array([each.name for each in result.candidates]),
+            "evidence": np.array([each.evidence for each in result.candidates]),
+            "ratio": np.array([each.ratio for each in result.candidates]),
+            "matched": np.array([each.match is not None for each in result.candidates]),
+            "status": np.array([row["status"] or "" for row in rows]),
+            "chance": np.array([_number(row["chance"]) for row in rows]),
+            "score": np.array([_number(row["score"]) for row in rows]),
+            "refused": np.array([each.refused for each in result.candidates]),
+        }
+    )
+
+
+def _candidate_facts(answer: CandidateAnswer) -> dict[str, Any]:
+    match = answer.match
+    return {
+        "name": answer.name,
+        "evidence": answer.evidence,
+        "ratio": answer.ratio,
+        "refused": answer.refused,
+        "status": None if match is None else match.status.name.lower(),
+        "chance": None if match is None else match.chance,
+        "score": None if match is None else match.best.score,
+    }
+
+
+def _number(value: float | None) -> float:
+    return float("nan") if value is None else value
+
+
+def _sentences(result: Identification) -> tuple[str, ...]:
+    asked = sum(each.match is not None for each in result.candidates)
+    said = [
+        f"{len(result.candidates)} full shapes were compared by cheap evidence, and "
+        f"{asked} matched with the part."
+    ]
+    first = result.candidates[0]
+    if result.best is None:
+        said.append(
+            f"The part belongs to none of them; what is shown is the likeliest, {first.name}."
+        )
+    return tuple(said)
