@@ -41,6 +41,7 @@ FLOORS = {
     "surface": 7,
     "results": 7,
     "region": 8,
+    "landmarks": 8,
     "correspondence": 8,
     "place": 9,
     "match": 10,

@@ -72,7 +72,8 @@ def test_the_right_shape_is_first_and_matched(found, animal) -> None:
     assert found.match.full is animal
     assert [each.name for each in found.candidates] == ["animal.ply", "lump.ply", "grain.ply"]
     assert found.candidates[1].match is None  # far behind, so it cost no match
-    assert found.candidates[0].evidence > 0.8 > 0.5 > found.candidates[1].evidence
+    assert found.candidates[0].evidence > 0.8
+    assert found.candidates[1].evidence < 0.5
     assert found.candidates[2].said == "impossible by its size"
     assert found.also == ()
     assert "animal.ply" in repr(found)
@@ -141,10 +142,10 @@ def test_the_folder_reads_as_that_of_a_match(found, tmp_path) -> None:
     stored = read_match(tmp_path / "out")
     np.testing.assert_array_equal(stored.points.faces, found.match.points.faces)
     rows = (tmp_path / "out" / "candidates.csv").read_text().splitlines()
-    assert rows[0] == "name,evidence,ratio,matched,status,chance,score,refused"
+    assert rows[0] == "name,evidence,ratio,refused,status,chance,score"
     assert rows[1].startswith("animal.ply,")
     page = (tmp_path / "out" / "report.html").read_text()
-    assert "belongs to animal.ply" in page.lower().replace("belongs to animal", "belongs to animal")
+    assert "belongs to animal.ply" in page.lower()
     assert "lump.ply" in page
 
 

@@ -33,6 +33,11 @@ if TYPE_CHECKING:
     from sherd.files.mesh_files import read_mesh, write_mesh
     from sherd.identify import identify
     from sherd.join import join
+    from sherd.landmarks.carried import CarriedLandmarks, carry_landmarks
+    from sherd.landmarks.landmark_files import read_landmarks, write_landmarks
+    from sherd.landmarks.landmark_list import Landmarks
+    from sherd.landmarks.landmark_table import landmark_table
+    from sherd.landmarks.several import median_landmarks
     from sherd.library.folder import Library
     from sherd.locate import locate
     from sherd.match import match
@@ -66,6 +71,7 @@ _HOMES = {
     "AssembleOptions": "sherd.results.puzzle.assemble_options",
     "Assembly": "sherd.results.puzzle.assembly",
     "CandidateAnswer": "sherd.results.identification",
+    "CarriedLandmarks": "sherd.landmarks.carried",
     "Convergence": "sherd.energy.convergence",
     "Identification": "sherd.results.identification",
     "IdentifyOptions": "sherd.results.identify_options",
@@ -73,6 +79,7 @@ _HOMES = {
     "InputError": "sherd.errors",
     "InvalidMeshError": "sherd.errors",
     "Joined": "sherd.results.puzzle.joined",
+    "Landmarks": "sherd.landmarks.landmark_list",
     "Library": "sherd.library.folder",
     "LocateOptions": "sherd.results.locate_options",
     "LocateResult": "sherd.results.locate_result",
@@ -93,19 +100,24 @@ _HOMES = {
     "Template": "sherd.surface.template",
     "TriangleMesh": "sherd.mesh.triangle_mesh",
     "assemble": "sherd.assemble",
+    "carry_landmarks": "sherd.landmarks.carried",
     "identify": "sherd.identify",
     "inspect": "sherd.repair.inspection",
     "join": "sherd.join",
+    "landmark_table": "sherd.landmarks.landmark_table",
     "locate": "sherd.locate",
     "match": "sherd.match",
+    "median_landmarks": "sherd.landmarks.several",
     "overlap": "sherd.overlap",
     "plot": "sherd.report.notebook",
+    "read_landmarks": "sherd.landmarks.landmark_files",
     "read_match": "sherd.report.stored.stored_match",
     "read_mesh": "sherd.files.mesh_files",
     "read_scan": "sherd.files.cloud_files",
     "repair": "sherd.repair.repair",
     "show": "sherd.report.notebook",
     "surface_from_points": "sherd.scan.surface_from_points",
+    "write_landmarks": "sherd.landmarks.landmark_files",
     "write_mesh": "sherd.files.mesh_files",
     "write_report": "sherd.report.write",
 }
@@ -114,6 +126,7 @@ __all__ = [
     "AssembleOptions",
     "Assembly",
     "CandidateAnswer",
+    "CarriedLandmarks",
     "Convergence",
     "Identification",
     "IdentifyOptions",
@@ -121,6 +134,7 @@ __all__ = [
     "InputError",
     "InvalidMeshError",
     "Joined",
+    "Landmarks",
     "Library",
     "LocateOptions",
     "LocateResult",
@@ -142,19 +156,24 @@ __all__ = [
     "TriangleMesh",
     "__version__",
     "assemble",
+    "carry_landmarks",
     "identify",
     "inspect",
     "join",
+    "landmark_table",
     "locate",
     "match",
+    "median_landmarks",
     "overlap",
     "plot",
+    "read_landmarks",
     "read_match",
     "read_mesh",
     "read_scan",
     "repair",
     "show",
     "surface_from_points",
+    "write_landmarks",
     "write_mesh",
     "write_report",
 ]

@@ -42,6 +42,11 @@ COMMANDS = {
         "transfer_command",
         "Carry labels, colors, landmarks and values over.",
     ),
+    "landmarks": (
+        "sherd.cli.landmarking",
+        "landmarks_command",
+        "Carry landmarks to many specimens, into one table.",
+    ),
     "check": ("sherd.cli.checking", "check_command", "Say what is wrong with a mesh."),
     "demo": ("sherd.cli.demo", "demo_command", "See it work on a generated animal."),
     "bench": ("sherd.cli.bench.group", "bench_group", "Measure accuracy and speed."),

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
+import csv
+import io
 from dataclasses import asdict, replace
 from typing import Any
 
-import numpy as np
-
 from sherd.drawing.exhibit import Verdict
 from sherd.errors import InfeasibleError
-from sherd.report.files import table_csv
 from sherd.report.frame import Report
 from sherd.report.match_report import match_report
 from sherd.results.identification import CandidateAnswer, Identification
 from sherd.results.status import Status
+
+COLUMNS = ("name", "evidence", "ratio", "refused", "status", "chance", "score")
 
 __all__ = ["candidates_csv", "identification_facts", "identify_report"]
 
@@ -61,20 +62,15 @@ def identification_facts(result: Identification) -> dict[str, Any]:
 
 
 def candidates_csv(result: Identification) -> str:
-    """``name,evidence,ratio,matched,status,chance,score,refused``, the likeliest first."""
-    rows = [_candidate_facts(each) for each in result.candidates]
-    return table_csv(
-        {
-            "name": np.array([each.name for each in result.candidates]),
-            "evidence": np.array([each.evidence for each in result.candidates]),
-            "ratio": np.array([each.ratio for each in result.candidates]),
-            "matched": np.array([each.match is not None for each in result.candidates]),
-            "status": np.array([row["status"] or "" for row in rows]),
-            "chance": np.array([_number(row["chance"]) for row in rows]),
-            "score": np.array([_number(row["score"]) for row in rows]),
-            "refused": np.array([each.refused for each in result.candidates]),
-        }
-    )
+    """``name,evidence,ratio,refused,status,chance,score``, the likeliest first."""
+    stream = io.StringIO()
+    writer = csv.DictWriter(stream, COLUMNS, lineterminator="\n")
+    writer.writeheader()
+    for each in result.candidates:
+        row = _candidate_facts(each)
+        numbers = {k: f"{v:.9g}" for k, v in row.items() if isinstance(v, float)}
+        writer.writerow(row | numbers)
+    return stream.getvalue()
 
 
 def _candidate_facts(answer: CandidateAnswer) -> dict[str, Any]:
@@ -88,10 +84,6 @@ def _candidate_facts(answer: CandidateAnswer) -> dict[str, Any]:
         "chance": None if match is None else match.chance,
         "score": None if match is None else match.best.score,
     }
-
-
-def _number(value: float | None) -> float:
-    return float("nan") if value is None else value
 
 
 def _sentences(result: Identification) -> tuple[str, ...]:
