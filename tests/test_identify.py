@@ -44,13 +44,13 @@ def _lump(name: str, area: float) -> TriangleMesh:
 
 @pytest.fixture(scope="module")
 def animal() -> TriangleMesh:
-    made = creature(3000)
+    made = creature(5000)
     return TriangleMesh(made.vertices, made.faces, name="animal.ply")
 
 
 @pytest.fixture(scope="module")
 def part(animal) -> TriangleMesh:
-    cut = cut_by_ball(whole(creature(3000, pose="walk"), animal), 0, 0.6).mesh
+    cut = cut_by_ball(whole(creature(5000, pose="walk"), animal), 0, 0.6).mesh
     return TriangleMesh(cut.vertices, cut.faces, name="part.ply")
 
 

@@ -23,6 +23,7 @@ from sherd.landmarks.several import geometric_median, median_landmarks
 from sherd.mesh.surface_points import points_at_vertices
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.report.write import write_report
+from sherd.results.match_options import MatchOptions
 from sherd.results.match_result import MatchResult
 from sherd.results.placement import Placement
 from sherd.results.status import Status
@@ -119,7 +120,7 @@ def test_the_inner_side_of_a_thin_wall_is_not_taken() -> None:
         twin_score=None,
         status=Status.GOOD,
         timings={},
-        options=__import__("sherd").MatchOptions(),
+        options=MatchOptions(),
     )
     vertices = np.arange(0, count, 40)
     landmarks = Landmarks([str(k) for k in vertices], full.vertices[vertices])
@@ -247,7 +248,7 @@ def test_the_commands_read_and_write_files_of_slicer(folder, result, turn, tmp_p
     done = _invoke(landmarks_command, folder / "out", *words, "--mesh-space", "LPS")
     assert done.exit_code == 0, done.output
     assert "piece.ply: 3 good" in done.output
-    rows = list(csv.DictReader(table.open()))
+    rows = list(csv.DictReader(io.StringIO(table.read_text())))
     np.testing.assert_allclose([float(row["z"]) for row in rows], wanted[:, 2], atol=1e-6)
 
 

@@ -15,8 +15,8 @@ from sherd.mesh.triangle_mesh import TriangleMesh
 __all__ = ["FARTHEST", "AttachedLandmarks", "attached"]
 
 # In sqrt(area) of the mesh. Landmarks set by hand on a skull lie 0.002 off the surface, those in
-# the middle of an opening farther; what is as far away as answers count as near is meant for another
-# mesh, another unit or other axes.
+# the middle of an opening farther; what is as far away as answers count as near is meant for
+# another mesh, another unit or other axes.
 FARTHEST = 0.05
 NAMED = 4
 

@@ -23,8 +23,8 @@ def landmark_table(carried: Iterable[CarriedLandmarks]) -> str:
 
     Columns: ``specimen``, ``landmark``, ``x``, ``y``, ``z`` in the coordinates of the specimen's
     file, ``confidence``, ``status`` (good, doubtful, missing, foreign), ``spread`` between
-    templates in the unit of the specimen, empty with one, and the number of ``templates``. The rows of one
-    specimen stand together, in the order of the landmarks, so the table is an array of shape
+    templates in the unit of the specimen, empty with one, and the number of ``templates``. The rows
+    of one specimen stand together, in the order of the landmarks, so the table is an array of shape
     (specimens, landmarks, 3) as it stands.
 
     Examples

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -36,6 +37,38 @@ def median_landmarks(carried: Sequence[CarriedLandmarks]) -> CarriedLandmarks:
     Zhang, Porto, Rolfe, Kocatulum, Maga, *Automated landmarking via multiple templates*, 2022, take
     the median of each coordinate; the geometric median does not depend on how the axes run.
     """
+    _check(carried)
+    first, names = carried[0], carried[0].landmarks.names
+    templates = tuple(name for each in carried for name in each.templates)
+    known = [_in_order(each, names) for each in carried if "foreign" not in each.status]
+    if not known:
+        return replace(first, templates=templates)
+    positions = np.stack([each.landmarks.positions for each in known])
+    chances = np.stack([each.confidence for each in known])
+    good = np.array([[word == "good" for word in each.status] for each in known])
+    middle, spread = np.full((len(names), 3), np.nan), np.full(len(names), np.nan)
+    confidence, status = np.full(len(names), np.nan), ["missing"] * len(names)
+    for row in range(len(names)):
+        there = np.isfinite(positions[:, row]).all(axis=1)
+        if 2 * there.sum() < len(known):
+            continue
+        middle[row] = geometric_median(positions[there, row])
+        apart = np.linalg.norm(positions[there, row] - middle[row], axis=1)
+        spread[row] = np.median(apart) if there.sum() > 1 else np.nan
+        confidence[row] = np.median(chances[there, row])
+        status[row] = "good" if 2 * good[there, row].sum() >= there.sum() else "doubtful"
+    space, source = first.landmarks.space, first.landmarks.source
+    return CarriedLandmarks(
+        specimen=first.specimen,
+        templates=templates,
+        landmarks=Landmarks(names, middle, space=space, source=source),
+        confidence=confidence,
+        status=tuple(status),
+        spread=spread,
+    )
+
+
+def _check(carried: Sequence[CarriedLandmarks]) -> None:
     if not carried:
         raise InputError("no landmarks are given to take the median of")
     first = carried[0]
@@ -49,38 +82,18 @@ def median_landmarks(carried: Sequence[CarriedLandmarks]) -> CarriedLandmarks:
                 f"{first.specimen}: the templates {first.templates[0]} and {other.templates[0]} "
                 "have landmarks of other names; name the same points alike"
             )
-    known = [each for each in carried if "foreign" not in each.status] or [first]
-    names = first.landmarks.names
-    orders = [[each.landmarks.names.index(name) for name in names] for each in known]
-    positions = np.stack(
-        [each.landmarks.positions[order] for each, order in zip(known, orders, strict=True)]
-    )
-    chances = np.stack([e.confidence[order] for e, order in zip(known, orders, strict=True)])
-    good = np.array(
-        [[e.status[k] == "good" for k in order] for e, order in zip(known, orders, strict=True)]
-    )
-    middle, spread = np.full((len(names), 3), np.nan), np.full(len(names), np.nan)
-    confidence, status = np.full(len(names), np.nan), ["missing"] * len(names)
-    if known[0].status[0] == "foreign":
-        status = ["foreign"] * len(names)
-    for row in range(len(names)):
-        there = np.isfinite(positions[:, row]).all(axis=1)
-        if not there.any() or 2 * there.sum() < len(known):
-            continue
-        middle[row] = geometric_median(positions[there, row])
-        apart = np.linalg.norm(positions[there, row] - middle[row], axis=1)
-        spread[row] = np.median(apart) if there.sum() > 1 else np.nan
-        confidence[row] = np.median(chances[there, row])
-        status[row] = "good" if 2 * good[there, row].sum() >= there.sum() else "doubtful"
-    return CarriedLandmarks(
-        specimen=first.specimen,
-        templates=tuple(name for each in carried for name in each.templates),
-        landmarks=Landmarks(
-            names, middle, space=first.landmarks.space, source=first.landmarks.source
-        ),
-        confidence=confidence,
-        status=tuple(status),
-        spread=spread,
+
+
+def _in_order(carried: CarriedLandmarks, names: tuple[str, ...]) -> CarriedLandmarks:
+    """The same landmarks in the order of these names."""
+    old = carried.landmarks
+    order = [old.names.index(name) for name in names]
+    return replace(
+        carried,
+        landmarks=Landmarks(names, old.positions[order], space=old.space, source=old.source),
+        confidence=carried.confidence[order],
+        status=tuple(carried.status[k] for k in order),
+        spread=carried.spread[order],
     )
 
 

@@ -77,11 +77,9 @@ class Library:
     Examples
     --------
     >>> import tempfile
-    >>> from sherd.shapes.creature import creature
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     library = Library(Path(folder)).with_shape(Template(creature(2000)))
-    ...     [shelf.vertices for shelf in Library.open(folder).shelves]
-    [2000]
+    ...     Library.open_or_new(folder).shelves
+    ()
     """
 
     folder: Path

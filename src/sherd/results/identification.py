@@ -96,13 +96,10 @@ class Identification(FrozenState):
 
     Examples
     --------
-    >>> from sherd.identify import identify
-    >>> from sherd.shapes import creature, cut_by_ball, whole
-    >>> full = creature(5000)
-    >>> part = cut_by_ball(whole(creature(5000, pose="walk"), full), 0, 0.5).mesh
-    >>> answer = identify([full], part)
-    >>> answer.best.name == full.name, answer.status.name
-    (True, 'GOOD')
+    >>> tiny = TriangleMesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]], name="part.ply")
+    >>> refused = CandidateAnswer("cat.ply", 0.0, 1.0, refused="too small")
+    >>> identification_of(tiny, [refused], IdentifyOptions(), {})
+    Identification('part.ply': foreign; cat.ply)
     """
 
     part: TriangleMesh
