@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -29,9 +31,16 @@ def templates(eggs) -> tuple[Template, ...]:
     return tuple(Template(egg) for egg in eggs)
 
 
-@pytest.fixture
-def library(templates, tmp_path: Path) -> Library:
-    made = Library.open_or_new(tmp_path / "library")
+@pytest.fixture(scope="session")
+def made_once(templates, tmp_path_factory) -> Library:
+    made = Library.open_or_new(tmp_path_factory.mktemp("made") / "library")
     for template in templates:
         made = made.with_shape(template)
     return made
+
+
+@pytest.fixture
+def library(made_once, tmp_path: Path) -> Library:
+    """A copy that a test may break."""
+    shutil.copytree(made_once.folder, tmp_path / "library")
+    return replace(made_once, folder=tmp_path / "library")
