@@ -31,7 +31,6 @@ if TYPE_CHECKING:
     )
     from sherd.files.cloud_files import read_scan
     from sherd.files.mesh_files import read_mesh, write_mesh
-    from sherd.identify import identify
     from sherd.join import join
     from sherd.landmarks.carried import CarriedLandmarks, carry_landmarks
     from sherd.landmarks.landmark_files import read_landmarks, write_landmarks
@@ -39,6 +38,7 @@ if TYPE_CHECKING:
     from sherd.landmarks.landmark_table import landmark_table
     from sherd.landmarks.several import median_landmarks
     from sherd.library.folder import Library
+    from sherd.library.identify import identify
     from sherd.locate import locate
     from sherd.match import match
     from sherd.mesh.point_cloud import PointCloud
@@ -50,10 +50,10 @@ if TYPE_CHECKING:
     from sherd.report.notebook import plot, show
     from sherd.report.stored.stored_match import read_match
     from sherd.report.write import write_report
-    from sherd.results.identification import CandidateAnswer, Identification
-    from sherd.results.identify_options import IdentifyOptions
     from sherd.results.locate_options import LocateOptions
     from sherd.results.locate_result import LocateResult
+    from sherd.results.many.identification import CandidateAnswer, Identification
+    from sherd.results.many.identify_options import IdentifyOptions
     from sherd.results.match_options import MatchOptions
     from sherd.results.match_result import MatchResult
     from sherd.results.overlap_options import OverlapOptions
@@ -70,11 +70,11 @@ if TYPE_CHECKING:
 _HOMES = {
     "AssembleOptions": "sherd.results.puzzle.assemble_options",
     "Assembly": "sherd.results.puzzle.assembly",
-    "CandidateAnswer": "sherd.results.identification",
+    "CandidateAnswer": "sherd.results.many.identification",
     "CarriedLandmarks": "sherd.landmarks.carried",
     "Convergence": "sherd.energy.convergence",
-    "Identification": "sherd.results.identification",
-    "IdentifyOptions": "sherd.results.identify_options",
+    "Identification": "sherd.results.many.identification",
+    "IdentifyOptions": "sherd.results.many.identify_options",
     "InfeasibleError": "sherd.errors",
     "InputError": "sherd.errors",
     "InvalidMeshError": "sherd.errors",
@@ -101,7 +101,7 @@ _HOMES = {
     "TriangleMesh": "sherd.mesh.triangle_mesh",
     "assemble": "sherd.assemble",
     "carry_landmarks": "sherd.landmarks.carried",
-    "identify": "sherd.identify",
+    "identify": "sherd.library.identify",
     "inspect": "sherd.repair.inspection",
     "join": "sherd.join",
     "landmark_table": "sherd.landmarks.landmark_table",

@@ -11,7 +11,7 @@ import pytest
 import trimesh
 from click.testing import CliRunner
 
-from sherd.cli.landmarking import landmarks_command
+from sherd.cli.many.landmarking import landmarks_command
 from sherd.cli.transferring import transfer_command
 from sherd.errors import InputError
 from sherd.landmarks.attached import attached

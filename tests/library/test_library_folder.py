@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from sherd.errors import InputError, MeshFileError, OutputError
-from sherd.identify import candidates
 from sherd.library.candidate import candidates_of
 from sherd.library.folder import INDEX, Library
+from sherd.library.identify import candidates
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.surface.template import Template
 

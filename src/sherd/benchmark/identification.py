@@ -18,13 +18,13 @@ from sherd.benchmark.row_file import stored_rows, write_rows
 from sherd.benchmark.runner import measured_rows
 from sherd.errors import InputError
 from sherd.files.mesh_files import read_mesh
-from sherd.identify import candidates, identify_among
 from sherd.library.candidate import Candidate
 from sherd.library.folder import Library
+from sherd.library.identify import candidates, identify_among
 from sherd.limits import require_whole
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.output import Stages
-from sherd.results.identify_options import IdentifyOptions
+from sherd.results.many.identify_options import IdentifyOptions
 from sherd.scan.intake import mesh_intake
 from sherd.shapes.rotation import rotated
 from sherd.surface.template import Template

@@ -27,12 +27,12 @@ COMMANDS = {
         "Find where all pieces of a puzzle belong.",
     ),
     "identify": (
-        "sherd.cli.identifying",
+        "sherd.cli.many.identifying",
         "identify_command",
         "Find which of several shapes a piece is of.",
     ),
     "template": (
-        "sherd.cli.templates",
+        "sherd.cli.many.templates",
         "template_command",
         "Prepare full shapes once, as a library.",
     ),
@@ -43,7 +43,7 @@ COMMANDS = {
         "Carry labels, colors, landmarks and values over.",
     ),
     "landmarks": (
-        "sherd.cli.landmarking",
+        "sherd.cli.many.landmarking",
         "landmarks_command",
         "Carry landmarks to many specimens, into one table.",
     ),

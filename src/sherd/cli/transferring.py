@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sherd.arrays import Floats
-from sherd.cli.landmarking import mesh_space_option, transferred_landmarks
+from sherd.cli.many.landmarking import mesh_space_option, transferred_landmarks
 from sherd.cli.options import quiet_option
 from sherd.cli.tables import columns_of, refuse_repeated, whole_numbers_of
 from sherd.cli.vertex_tables import field_of, labels_of, rows_of_vertices, text_table

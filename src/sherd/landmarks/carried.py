@@ -161,7 +161,7 @@ class _Image:
         self.centers = cKDTree(self.mesh.vertices[self.mesh.faces].mean(axis=1))
         # which way the template looks where each vertex of the specimen lies
         self.normals = result.points.interpolate(result.full, result.outward)
-        self.matched: Bools = result.matched[self.mesh.faces].all(axis=1)
+        self.matched: Bools = np.all(result.matched[self.mesh.faces], axis=1)
         longest = self.mesh.mean_edge_length
         self.reach = max(REACH * result.full.length, longest)
 

@@ -42,7 +42,8 @@ def read_fiducials(path: Path) -> Landmarks:
     if not {"x", "y", "z"} <= set(columns):
         raise InputError(f"{path}: its columns are {', '.join(columns)}, without x, y and z")
     rows = [(k + 1, line) for k, line in enumerate(lines) if line.strip() and line[0] != "#"]
-    names, positions = [], []
+    names: list[str] = []
+    positions: list[list[float]] = []
     for number, line in rows:
         cells = dict(zip(columns, next(csv.reader([line])), strict=False))
         names.append((cells.get("label") or cells.get("id") or str(len(names) + 1)).strip())

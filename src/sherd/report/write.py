@@ -11,16 +11,16 @@ from sherd.errors import InputError
 from sherd.report.exports import exported
 from sherd.report.frame import Report
 from sherd.report.html import page
-from sherd.report.identify_report import identify_report
 from sherd.report.locate_report import locate_report
+from sherd.report.many.identify_report import identify_report
 from sherd.report.match_report import match_report
 from sherd.report.overlap_report import overlap_report
 from sherd.report.puzzle.assembly_report import assembly_report
 from sherd.report.puzzle.joined_report import joined_report
 from sherd.report.stored.folder import plain
 from sherd.result_folder import ResultFolder, kind_of, replaceable_files
-from sherd.results.identification import Identification
 from sherd.results.locate_result import LocateResult
+from sherd.results.many.identification import Identification
 from sherd.results.match_result import MatchResult
 from sherd.results.overlap_result import Overlap
 from sherd.results.puzzle.assembly import Assembly

@@ -13,16 +13,16 @@ from sherd.cli.first_run import prepare_first_run
 from sherd.cli.inputs import ScaleType, command_line, show_notices
 from sherd.cli.options import overwrite_option, quiet_option
 from sherd.errors import InfeasibleError, OutputError
-from sherd.identify import STAGES, candidates, identify_among
 from sherd.library.candidate import Candidate
 from sherd.library.folder import is_library
+from sherd.library.identify import STAGES, candidates, identify_among
 from sherd.mesh.units import UNITS, Unit
 from sherd.output import Stages
 from sherd.report.stored.folder import MATCH_FORMAT
 from sherd.report.write import write_report
 from sherd.result_folder import NAMES, ResultKind, replaceable_files
-from sherd.results.identification import Identification
-from sherd.results.identify_options import MATCHES, IdentifyOptions
+from sherd.results.many.identification import Identification
+from sherd.results.many.identify_options import MATCHES, IdentifyOptions
 from sherd.results.match_options import SCALES, Scale
 from sherd.results.status import Status
 from sherd.scan.either_side import SIDES, Side

@@ -10,7 +10,7 @@ from sherd.arrays import FrozenState
 from sherd.errors import InputError
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.results.display import table_html
-from sherd.results.identify_options import IdentifyOptions
+from sherd.results.many.identify_options import IdentifyOptions
 from sherd.results.match_result import MatchResult
 from sherd.results.status import Status
 

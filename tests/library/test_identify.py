@@ -11,19 +11,19 @@ import pytest
 import trimesh
 from click.testing import CliRunner
 
-from sherd.cli.identifying import identify_command
-from sherd.cli.templates import template_command
+from sherd.cli.many.identifying import identify_command
+from sherd.cli.many.templates import template_command
 from sherd.errors import InfeasibleError, InputError, OptionError
 from sherd.files.mesh_files import write_mesh
-from sherd.identify import identify
 from sherd.library.candidate import candidates_of
 from sherd.library.evidence import gathered_evidence
 from sherd.library.folder import Library
+from sherd.library.identify import identify
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.report.stored.stored_match import read_match
 from sherd.report.write import write_report
-from sherd.results.identification import CandidateAnswer, identification_of
-from sherd.results.identify_options import IdentifyOptions
+from sherd.results.many.identification import CandidateAnswer, identification_of
+from sherd.results.many.identify_options import IdentifyOptions
 from sherd.results.match_options import MatchOptions
 from sherd.results.status import Status
 from sherd.scan.intake import scan_intake
@@ -31,7 +31,7 @@ from sherd.shapes.creature import creature
 from sherd.shapes.fragment import cut_by_ball, whole
 from sherd.surface.template import Template
 
-SCHEMA = Path(__file__).parents[1] / "docs" / "schema" / "identification.json"
+SCHEMA = Path(__file__).parents[2] / "docs" / "schema" / "identification.json"
 
 
 def _lump(name: str, area: float) -> TriangleMesh:

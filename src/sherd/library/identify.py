@@ -15,9 +15,9 @@ from sherd.library.folder import Library
 from sherd.match import match
 from sherd.mesh.sides import bulge
 from sherd.output import Stages
-from sherd.results.identification import CandidateAnswer, Identification, identification_of
-from sherd.results.identify_options import IdentifyKeywords, IdentifyOptions
 from sherd.results.keywords import options_of
+from sherd.results.many.identification import CandidateAnswer, Identification, identification_of
+from sherd.results.many.identify_options import IdentifyKeywords, IdentifyOptions
 from sherd.results.match_options import MatchOptions
 from sherd.results.match_result import MatchResult
 from sherd.results.status import Status

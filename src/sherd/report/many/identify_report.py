@@ -11,7 +11,7 @@ from sherd.drawing.exhibit import Verdict
 from sherd.errors import InfeasibleError
 from sherd.report.frame import Report
 from sherd.report.match_report import match_report
-from sherd.results.identification import CandidateAnswer, Identification
+from sherd.results.many.identification import CandidateAnswer, Identification
 from sherd.results.status import Status
 
 COLUMNS = ("name", "evidence", "ratio", "refused", "status", "chance", "score")
