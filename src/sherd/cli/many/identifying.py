@@ -91,7 +91,6 @@ def identify_command(  # noqa: PLR0913 - one for each word that can be typed
     \b
     Examples:
       sherd identify cat.ply horse.ply wolf.ply scan.ply -o out/
-      sherd template cat.ply horse.ply wolf.ply -o library/
       sherd identify library/ scan.ply -o out/
     """  # noqa: D301
     options = IdentifyOptions(

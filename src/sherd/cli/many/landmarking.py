@@ -62,8 +62,8 @@ def landmarks_command(
 
     \b
     Examples:
-      sherd landmarks matches/* --landmarks template.mrk.json -o landmarks.csv
-      sherd landmarks a/* b/* --landmarks A.ply=a.fcsv --landmarks B.ply=b.fcsv -o landmarks.csv
+      sherd landmarks matches/* --landmarks template.mrk.json -o all.csv
+      sherd landmarks a/* b/* --landmarks a.ply=a.fcsv --landmarks b.ply=b.fcsv -o x.csv
     """  # noqa: D301
     require_writable(output)
     lists = _landmarks_by_template(named)
