@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from sherd.landmarks.landmark_list import Landmarks
     from sherd.landmarks.landmark_table import landmark_table
     from sherd.landmarks.several import median_landmarks
+    from sherd.library.fitted_scale import match_with_fitted_scale
     from sherd.library.folder import Library
     from sherd.library.identify import identify
     from sherd.locate import locate
@@ -107,6 +108,7 @@ _HOMES = {
     "landmark_table": "sherd.landmarks.landmark_table",
     "locate": "sherd.locate",
     "match": "sherd.match",
+    "match_with_fitted_scale": "sherd.library.fitted_scale",
     "median_landmarks": "sherd.landmarks.several",
     "overlap": "sherd.overlap",
     "plot": "sherd.report.notebook",
@@ -163,6 +165,7 @@ __all__ = [
     "landmark_table",
     "locate",
     "match",
+    "match_with_fitted_scale",
     "median_landmarks",
     "overlap",
     "plot",

@@ -21,8 +21,8 @@ from sherd.landmarks.attached import attached
 from sherd.landmarks.carried import CarriedLandmarks, carry_landmarks
 from sherd.landmarks.landmark_list import Landmarks
 from sherd.landmarks.several import median_landmarks
+from sherd.library.fitted_scale import match_with_fitted_scale
 from sherd.limits import require_whole
-from sherd.match import match
 from sherd.mesh.surface_points import closest_points
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.shapes.rotation import rotated
@@ -58,8 +58,8 @@ class SkullRow:
     ----------
     case, template, specimen, kind
         Its name, and of what.
-    status, chance
-        Of the match.
+    status, chance, scale
+        Of the match, at the size that fits.
     errors
         Distance of each landmark to where a hand set it, in the unit of the files; None where the
         specimen has none or none was given.
@@ -77,6 +77,7 @@ class SkullRow:
     kind: str
     status: str
     chance: float | None
+    scale: float
     errors: list[float | None]
     positions: list[list[float] | None]
     confidence: list[float | None]
@@ -196,7 +197,7 @@ def _measured(case: SkullCase) -> SkullRow:
     rng = np.random.default_rng(seed_of(f"{case.specimen.stem} {case.kind}", 0))
     if case.kind == "half":
         mesh = _half(mesh, rng)
-    result = match(template, rotated(mesh, rng))
+    result = match_with_fitted_scale(template, rotated(mesh, rng))
     turn, shift = _motion(result.part.vertices, mesh.vertices)
     carried = carry_landmarks(result, attached(landmarks, template.full))
     moved = Landmarks(carried.landmarks.names, carried.landmarks.positions @ turn + shift)
@@ -206,7 +207,9 @@ def _measured(case: SkullCase) -> SkullRow:
     )  # fmt: skip
     feet = closest_points(mesh, truth.positions).positions(mesh)
     there = np.linalg.norm(feet - truth.positions, axis=1) < THERE
-    return _row(case, carried, truth, there.tolist(), result.status.name, result.chance)
+    return _row(
+        case, carried, truth, there.tolist(), result.status.name, result.chance, result.scale
+    )
 
 
 def _row(
@@ -216,6 +219,7 @@ def _row(
     there: Sequence[bool],
     status: str = "",
     chance: float | None = None,
+    scale: float = 1.0,
 ) -> SkullRow:
     apart = np.linalg.norm(carried.landmarks.positions - truth.positions, axis=1)
     given = carried.landmarks.known
@@ -227,6 +231,7 @@ def _row(
         kind=case.kind,
         status=status,
         chance=chance,
+        scale=scale,
         errors=[float(a) if g and h else None for a, g, h in zip(apart, given, has, strict=True)],
         positions=[
             place if known else None
