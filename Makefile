@@ -2,7 +2,7 @@
 PYTHON ?= python3
 BIN := .venv/bin
 
-.PHONY: demo test check docs pictures viewer constraints clean
+.PHONY: demo test check package docs pictures viewer constraints clean
 
 demo: .venv/library  ## match a generated animal's fragment with the whole; needs no files
 	$(BIN)/sherd demo -o out/demo
@@ -14,6 +14,9 @@ check: .venv/development
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/mypy
+
+package: .venv/development  ## build wheel and archive, install each alone in a fresh environment, run its demo
+	$(BIN)/python packaging/check_package.py
 
 docs: .venv/documentation  ## build the pages into docs/_build; warnings are errors
 	$(BIN)/python -m sphinx -W --keep-going -q -b html docs docs/_build

@@ -32,6 +32,14 @@ if TYPE_CHECKING:
     from sherd.files.cloud_files import read_scan
     from sherd.files.mesh_files import read_mesh, write_mesh
     from sherd.join import join
+    from sherd.landmarks.carried import CarriedLandmarks, carry_landmarks
+    from sherd.landmarks.landmark_files import read_landmarks, write_landmarks
+    from sherd.landmarks.landmark_list import Landmarks
+    from sherd.landmarks.landmark_table import landmark_table
+    from sherd.landmarks.several import median_landmarks
+    from sherd.library.fitted_scale import match_with_fitted_scale
+    from sherd.library.folder import Library
+    from sherd.library.identify import identify
     from sherd.locate import locate
     from sherd.match import match
     from sherd.mesh.point_cloud import PointCloud
@@ -45,6 +53,8 @@ if TYPE_CHECKING:
     from sherd.report.write import write_report
     from sherd.results.locate_options import LocateOptions
     from sherd.results.locate_result import LocateResult
+    from sherd.results.many.identification import CandidateAnswer, Identification
+    from sherd.results.many.identify_options import IdentifyOptions
     from sherd.results.match_options import MatchOptions
     from sherd.results.match_result import MatchResult
     from sherd.results.overlap_options import OverlapOptions
@@ -61,11 +71,17 @@ if TYPE_CHECKING:
 _HOMES = {
     "AssembleOptions": "sherd.results.puzzle.assemble_options",
     "Assembly": "sherd.results.puzzle.assembly",
+    "CandidateAnswer": "sherd.results.many.identification",
+    "CarriedLandmarks": "sherd.landmarks.carried",
     "Convergence": "sherd.energy.convergence",
+    "Identification": "sherd.results.many.identification",
+    "IdentifyOptions": "sherd.results.many.identify_options",
     "InfeasibleError": "sherd.errors",
     "InputError": "sherd.errors",
     "InvalidMeshError": "sherd.errors",
     "Joined": "sherd.results.puzzle.joined",
+    "Landmarks": "sherd.landmarks.landmark_list",
+    "Library": "sherd.library.folder",
     "LocateOptions": "sherd.results.locate_options",
     "LocateResult": "sherd.results.locate_result",
     "MatchOptions": "sherd.results.match_options",
@@ -85,18 +101,25 @@ _HOMES = {
     "Template": "sherd.surface.template",
     "TriangleMesh": "sherd.mesh.triangle_mesh",
     "assemble": "sherd.assemble",
+    "carry_landmarks": "sherd.landmarks.carried",
+    "identify": "sherd.library.identify",
     "inspect": "sherd.repair.inspection",
     "join": "sherd.join",
+    "landmark_table": "sherd.landmarks.landmark_table",
     "locate": "sherd.locate",
     "match": "sherd.match",
+    "match_with_fitted_scale": "sherd.library.fitted_scale",
+    "median_landmarks": "sherd.landmarks.several",
     "overlap": "sherd.overlap",
     "plot": "sherd.report.notebook",
+    "read_landmarks": "sherd.landmarks.landmark_files",
     "read_match": "sherd.report.stored.stored_match",
     "read_mesh": "sherd.files.mesh_files",
     "read_scan": "sherd.files.cloud_files",
     "repair": "sherd.repair.repair",
     "show": "sherd.report.notebook",
     "surface_from_points": "sherd.scan.surface_from_points",
+    "write_landmarks": "sherd.landmarks.landmark_files",
     "write_mesh": "sherd.files.mesh_files",
     "write_report": "sherd.report.write",
 }
@@ -104,11 +127,17 @@ _HOMES = {
 __all__ = [
     "AssembleOptions",
     "Assembly",
+    "CandidateAnswer",
+    "CarriedLandmarks",
     "Convergence",
+    "Identification",
+    "IdentifyOptions",
     "InfeasibleError",
     "InputError",
     "InvalidMeshError",
     "Joined",
+    "Landmarks",
+    "Library",
     "LocateOptions",
     "LocateResult",
     "MatchOptions",
@@ -129,18 +158,25 @@ __all__ = [
     "TriangleMesh",
     "__version__",
     "assemble",
+    "carry_landmarks",
+    "identify",
     "inspect",
     "join",
+    "landmark_table",
     "locate",
     "match",
+    "match_with_fitted_scale",
+    "median_landmarks",
     "overlap",
     "plot",
+    "read_landmarks",
     "read_match",
     "read_mesh",
     "read_scan",
     "repair",
     "show",
     "surface_from_points",
+    "write_landmarks",
     "write_mesh",
     "write_report",
 ]

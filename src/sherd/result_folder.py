@@ -35,7 +35,7 @@ NAMES = frozenset(
         "correspondence.csv", "correspondence.corr", "correspondence.map", "correspondence.vts",
         "match.png", "alternatives.npz", "inverse.csv", "first_region.csv",
         "second_region.csv", "first.ply", "second.ply", "overlap.png", "labels.csv",
-        "assembly.png", "pairs.csv", "partners.csv",
+        "assembly.png", "pairs.csv", "partners.csv", "candidates.csv",
         "full.vtp", "part.vtp", "result.glb", "result.npz", "result.mat",
     }
 )  # fmt: skip

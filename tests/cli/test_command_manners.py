@@ -22,7 +22,7 @@ from sherd.spectral.sampling import decimate
 
 BENCHES = (
     "region", "paper", "shrec16", "faust", "smal", "smal-match", "cp2p", "singleview", "belonging",
-    "robustness",
+    "robustness", "skulls", "identify",
 )  # fmt: skip
 LEAVES = [
     *([name] for name in COMMANDS if name != "bench"),

@@ -26,11 +26,26 @@ COMMANDS = {
         "assemble_command",
         "Find where all pieces of a puzzle belong.",
     ),
+    "identify": (
+        "sherd.cli.many.identifying",
+        "identify_command",
+        "Find which of several shapes a piece is of.",
+    ),
+    "template": (
+        "sherd.cli.many.templates",
+        "template_command",
+        "Prepare full shapes once, as a library.",
+    ),
     "view": ("sherd.cli.viewing", "view_command", "Open a report again, or draw it as PNG."),
     "transfer": (
         "sherd.cli.transferring",
         "transfer_command",
         "Carry labels, colors, landmarks and values over.",
+    ),
+    "landmarks": (
+        "sherd.cli.many.landmarking",
+        "landmarks_command",
+        "Carry landmarks to many specimens, into one table.",
     ),
     "check": ("sherd.cli.checking", "check_command", "Say what is wrong with a mesh."),
     "demo": ("sherd.cli.demo", "demo_command", "See it work on a generated animal."),
@@ -68,6 +83,7 @@ def main(**_: Any) -> None:
       sherd locate template.ply scan.ply -o out/
       sherd overlap left.ply right.ply -o out/
       sherd assemble template.ply piece*.ply -o out/
+      sherd identify library/ scan.ply -o out/
       sherd view out/ --png
       sherd check scan.obj
     """  # noqa: D301

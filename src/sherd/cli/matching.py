@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +21,7 @@ from sherd.cli.inputs import (
 )
 from sherd.cli.options import overwrite_option, quiet_option, template_option
 from sherd.cli.tables import read_ground_truth, read_ignored, read_landmarks
+from sherd.library.fitted_scale import match_with_fitted_scale
 from sherd.limits import require_finite, require_seed
 from sherd.match import STAGES, match
 from sherd.mesh.units import UNITS, Unit
@@ -53,6 +55,11 @@ FILE = click.Path(path_type=Path)
     show_default=True,
     help="Unknown: the part's scale is estimated, whatever its unit; it may have 0.01 to 1.3 times "
     "the area of FULL. A number: lengths of PART are multiplied by it.",
+)
+@click.option(
+    "--fit-scale",
+    is_flag=True,
+    help="PART is of another individual: match again at the size that the first answer has.",
 )
 @click.option("--part-unit", type=click.Choice(UNITS), help="Unit of PART; with --full-unit.")
 @click.option("--full-unit", type=click.Choice(UNITS), help="Unit of FULL; with --part-unit.")
@@ -92,6 +99,7 @@ def match_command(  # noqa: PLR0913 - one for each word that can be typed
     output: Path,
     *,
     scale: Scale | float,
+    fit_scale: bool,
     part_unit: Unit | None,
     full_unit: Unit | None,
     landmarks: Path | None,
@@ -143,6 +151,7 @@ def match_command(  # noqa: PLR0913 - one for each word that can be typed
         truth=ground_truth,
         exports=exports,
         min_confidence=min_confidence,
+        ask=match_with_fitted_scale if fit_scale else match,
     )
     stages.close()
     show_notices(result, quiet=quiet)
@@ -153,7 +162,7 @@ def match_command(  # noqa: PLR0913 - one for each word that can be typed
     return 0 if result.status is Status.GOOD else NOT_CONVERGED
 
 
-def match_and_write(
+def match_and_write(  # noqa: PLR0913 - all by name
     full: Template,
     part: Intake,
     output: Path,
@@ -163,10 +172,11 @@ def match_and_write(
     truth: Path | None = None,
     exports: tuple[str, ...] = (),
     min_confidence: float = 0.0,
+    ask: Callable[..., MatchResult] = match,
 ) -> tuple[MatchResult, dict[str, Any]]:
     """Match and write the answer into a folder that `check_outputs` has found free."""
     true_points = None if truth is None else read_ground_truth(truth, full.full, part.original)
-    result = match(full, part, options, stages=stages).with_min_confidence(min_confidence)
+    result = ask(full, part, options, stages=stages).with_min_confidence(min_confidence)
     with stages("files"):
         errors = None
         if true_points is not None:

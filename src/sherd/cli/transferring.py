@@ -9,11 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sherd.arrays import Floats
+from sherd.cli.many.landmarking import mesh_space_option, transferred_landmarks
 from sherd.cli.options import quiet_option
 from sherd.cli.tables import columns_of, refuse_repeated, whole_numbers_of
 from sherd.cli.vertex_tables import field_of, labels_of, rows_of_vertices, text_table
 from sherd.errors import InputError
 from sherd.files.mesh_files import read_mesh, write_mesh
+from sherd.landmarks.landmark_files import is_landmark_file
+from sherd.landmarks.landmark_list import Space
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.output import require_writable, write_text
@@ -28,7 +31,9 @@ FILE = click.Path(path_type=Path)
 @click.command("transfer")
 @click.argument("folder", type=FILE)
 @click.argument("values", type=FILE)
-@click.option("-o", "--output", type=FILE, required=True, help="CSV or PLY file to write.")
+@click.option(
+    "-o", "--output", type=FILE, required=True, help="CSV, PLY or landmark file to write."
+)
 @click.option(
     "--to",
     type=click.Choice(["part", "full"]),
@@ -44,6 +49,7 @@ FILE = click.Path(path_type=Path)
     show_default=True,
     help="Below it a vertex counts as unmatched; 0 to 1.",
 )
+@mesh_space_option
 @quiet_option()
 def transfer_command(
     folder: Path,
@@ -53,24 +59,31 @@ def transfer_command(
     to: str,
     labels: bool,
     min_confidence: float,
+    mesh_space: Space | None,
     quiet: bool,
 ) -> int:
     """Carry VALUES from one shape to the other along the match in FOLDER.
 
     VALUES is a mesh with vertex fields or colors (written as .ply), a CSV with a column `vertex`
-    and columns of numbers, or with --labels of text, or a CSV with the columns `name,vertex` of
-    landmarks. Vertices that are not named, and what has no partner, are unknown: nan, for labels
-    -1 or empty.
+    and columns of numbers, or with --labels of text, a CSV with the columns `name,vertex` of
+    landmarks, or landmarks of 3D Slicer (.mrk.json, .fcsv), written as such or as a table. Vertices
+    that are not named, and what has no partner, are unknown: nan, for labels -1 or empty.
 
     \b
     Examples:
       sherd transfer out/ template-painted.ply -o scan-painted.ply
       sherd transfer out/ muscles.csv -o scan-muscles.csv --labels
       sherd transfer out/ landmarks.csv -o scan-landmarks.csv
+      sherd transfer out/ template.mrk.json -o scan.mrk.json
     """  # noqa: D301
     require_writable(output)
     stored = read_match(folder).with_min_confidence(min_confidence)
-    if values.suffix.lower() == ".csv":
+    if mesh_space is not None and not is_landmark_file(values):
+        raise click.UsageError("--mesh-space is for landmarks of 3D Slicer")
+    if is_landmark_file(values):
+        text = transferred_landmarks(stored, values, output, to=to, mesh_space=mesh_space)
+        write_text(output, text)
+    elif values.suffix.lower() == ".csv":
         columns = columns_of(values)
         if set(columns) == {"name", "vertex"}:
             write_text(output, _landmarks(stored, values, columns, to))

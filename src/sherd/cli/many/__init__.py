@@ -1,0 +1,1 @@
+"""`sherd identify`, `template` and `landmarks`: commands for many shapes."""

@@ -1,0 +1,135 @@
+"""`sherd landmarks`, and landmarks of files of 3D Slicer in `sherd transfer`."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import click
+
+from sherd.cli.exits import NOT_CONVERGED
+from sherd.cli.options import quiet_option
+from sherd.errors import InputError
+from sherd.landmarks.attached import attached
+from sherd.landmarks.carried import CarriedLandmarks, carry_landmarks, landmarks_of_part
+from sherd.landmarks.landmark_files import landmark_text, read_landmarks
+from sherd.landmarks.landmark_list import SPACES, Landmarks, Space
+from sherd.landmarks.landmark_table import landmark_table
+from sherd.landmarks.several import median_landmarks
+from sherd.output import require_writable, write_text
+from sherd.report.stored.stored_match import read_match
+from sherd.results.match_result import MatchResult
+
+__all__ = ["landmarks_command", "mesh_space_option", "transferred_landmarks"]
+
+FILE = click.Path(path_type=Path)
+
+mesh_space_option = click.option(
+    "--mesh-space",
+    type=click.Choice(SPACES),
+    help="Of landmarks: how the axes of the meshes' files run, if not as those of the landmarks.",
+)
+
+
+@click.command("landmarks")
+@click.argument("folders", metavar="FOLDER...", type=FILE, nargs=-1, required=True)
+@click.option(
+    "--landmarks",
+    "named",
+    metavar="[FULL=]FILE",
+    multiple=True,
+    required=True,
+    help="Landmarks of the template: .mrk.json, .fcsv or .csv. Of several templates once for each, "
+    "with the name of its mesh.",
+)
+@click.option("-o", "--output", type=FILE, required=True, help="CSV file to write.")
+@mesh_space_option
+@quiet_option()
+def landmarks_command(
+    folders: tuple[Path, ...],
+    named: tuple[str, ...],
+    output: Path,
+    *,
+    mesh_space: Space | None,
+    quiet: bool,
+) -> int:
+    """Carry a template's landmarks to all specimens that were matched with it, into one table.
+
+    Each FOLDER is one of sherd match, the template as FULL and the specimen as PART. Where a
+    specimen was matched with several templates, their median is taken, and the spread is given.
+    The columns are specimen,landmark,x,y,z,confidence,status,spread,templates. The exit code is 4
+    if a specimen is foreign or lacks all landmarks.
+
+    \b
+    Examples:
+      sherd landmarks matches/* --landmarks template.mrk.json -o all.csv
+      sherd landmarks */ --landmarks a.ply=a.csv --landmarks b.ply=b.csv -o x.csv
+    """  # noqa: D301
+    require_writable(output)
+    lists = _landmarks_by_template(named)
+    found: dict[str, list[CarriedLandmarks]] = {}
+    seen: dict[tuple[str, str], Path] = {}
+    for folder in folders:
+        result = read_match(folder)
+        key = (result.full.name, result.part.name)
+        if key in seen:
+            raise InputError(
+                f"{folder}: is of {key[1]} on {key[0]}, and so is {seen[key]}; name one of them"
+            )
+        seen[key] = folder
+        carried = carry_landmarks(result, _of(lists, result, folder), mesh_space=mesh_space)
+        found.setdefault(result.part.name, []).append(carried)
+    answers = [each[0] if len(each) == 1 else median_landmarks(each) for each in found.values()]
+    write_text(output, landmark_table(answers))
+    if not quiet:
+        for each in answers:
+            click.echo(_summary(each))
+        click.echo(f"written: {output}")
+    lost = [each for each in answers if not each.landmarks.known.any()]
+    return NOT_CONVERGED if lost else 0
+
+
+def transferred_landmarks(
+    stored: MatchResult, values: Path, output: Path, *, to: str, mesh_space: Space | None
+) -> str:
+    """What `sherd transfer` writes for a file of landmarks."""
+    landmarks = read_landmarks(values)
+    if to == "part":
+        carried = carry_landmarks(stored, landmarks, mesh_space=mesh_space)
+        if output.suffix.lower() == ".csv":
+            return landmark_table([carried])
+        return landmark_text(carried.landmarks, output, notes=carried.notes)
+    on_part = attached(landmarks, stored.part, mesh_space=mesh_space)
+    return landmark_text(landmarks_of_part(stored, on_part), output)
+
+
+def _landmarks_by_template(named: Sequence[str]) -> dict[str, Landmarks]:
+    """Landmarks by the name of the template, "" for one of any name."""
+    lists: dict[str, Landmarks] = {}
+    for text in named:
+        name, equals, path = text.partition("=")
+        key, file = (name, path) if equals else ("", text)
+        if key in lists:
+            raise click.UsageError(
+                f"--landmarks {text}: name each template once (--landmarks FULL=FILE)"
+            )
+        lists[key] = read_landmarks(file)
+    if "" in lists and len(lists) > 1:
+        raise click.UsageError("of several templates, name each: --landmarks FULL=FILE")
+    return lists
+
+
+def _of(lists: dict[str, Landmarks], result: MatchResult, folder: Path) -> Landmarks:
+    found = lists.get(result.full.name, lists.get(""))
+    if found is None:
+        raise InputError(
+            f"{folder}: is of the template {result.full.name}, but landmarks are given for "
+            f"{', '.join(lists)}"
+        )
+    return found
+
+
+def _summary(carried: CarriedLandmarks) -> str:
+    counts = {word: carried.status.count(word) for word in ("doubtful", "missing", "foreign")}
+    said = "".join(f", {count} {word}" for word, count in counts.items() if count)
+    return f"{carried.specimen}: {carried.status.count('good')} good{said}"

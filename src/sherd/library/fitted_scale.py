@@ -1,0 +1,102 @@
+"""match_with_fitted_scale(): individuals of one kind differ in size, and a match is better without.
+
+``scale="same"`` believes that skin keeps its lengths; of mouse skulls of several strains, lengths
+differ by up to an eighth, and points then slide. How much larger the part lies on the full shape
+than it is says the factor, and a second match takes it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Unpack
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from sherd.errors import InfeasibleError, OptionError
+from sherd.match import match
+from sherd.output import Stages
+from sherd.results.keywords import options_of
+from sherd.results.match_options import MatchKeywords, MatchOptions
+from sherd.results.match_result import MatchResult
+from sherd.scan.intake import MeshSource, ScanSource, scan_intake
+from sherd.surface.prepared import as_template
+from sherd.surface.template import Template
+
+__all__ = ["length_ratio_of", "match_with_fitted_scale"]
+
+# In sqrt(area) of the full shape: straight lines that are longer are bent by the pose, and shorter
+# ones say how smooth the map is. Of a skull, 3 to 8 mm.
+SHORTEST, LONGEST = 0.08, 0.2
+# So many points ask their neighbors: their median moves by less than a thousandth with others.
+ASKED = 1000
+# Lengths that agree up to this stay: the labeling allows for a tenth, and a pose takes as much.
+LITTLE = 0.02
+# Parts of another size than this many times that of the full shape's kind are not of another
+# individual; their scale is unknown.
+LARGEST_RATIO = 1.5
+
+
+def match_with_fitted_scale(
+    full: MeshSource | Template,
+    part: ScanSource,
+    options: MatchOptions | None = None,
+    *,
+    stages: Stages | None = None,
+    **keywords: Unpack[MatchKeywords],
+) -> MatchResult:
+    """As :func:`sherd.match`, for a part of another individual, which is larger or smaller.
+
+    Returns
+    -------
+    MatchResult
+        Of two matches, the second with the lengths of the first answer, the one with the higher
+        score; ``result.scale`` says which. The first alone if its lengths agree within 2 %.
+
+    Raises
+    ------
+    OptionError
+        If the scale is unknown, which looks for it over a wide range anyway; otherwise as
+        :func:`sherd.match`.
+    """
+    options = options_of(MatchOptions, options, keywords)
+    if options.scale == "unknown":
+        raise OptionError(
+            'scale is "unknown", which is fitted anyway; give another one, or use match'
+        )
+    stages = stages or Stages(visible=False)
+    template, scan = as_template(full), scan_intake(part)
+    first = match(template, scan, options, stages=stages)
+    ratio = length_ratio_of(first)
+    if not LITTLE < abs(np.log(ratio)) < np.log(LARGEST_RATIO):
+        return first
+    fitted = replace(options, scale=first.scale * ratio, part_unit=None, full_unit=None)
+    try:
+        second = match(template, scan, fitted, stages=stages)
+    except InfeasibleError:  # so much larger it would not fit on the full shape
+        return first
+    return second if second.best.score > first.best.score else first
+
+
+def length_ratio_of(result: MatchResult) -> float:
+    """How many times as long lines on the part are where it lies on the full shape.
+
+    Median over straight lines of 0.08 to 0.2 sqrt(area) between matched vertices, relative to the
+    scale of the result; 1 if there are none.
+    """
+    known = np.flatnonzero(result.matched)
+    here, there = result.part.vertices[known] * result.scale, result.positions[known]
+    rng = np.random.default_rng(0)
+    asked = rng.choice(len(known), min(ASKED, len(known)), replace=False)
+    unit = result.full.length
+    tree = cKDTree(here)
+    first, second = [], []
+    for vertex in asked.tolist():
+        near = tree.query_ball_point(here[vertex], LONGEST * unit)
+        drawn = rng.choice(near, min(20, len(near)), replace=False)
+        first += [vertex] * len(drawn)
+        second += drawn.tolist()
+    before = np.linalg.norm(here[first] - here[second], axis=1)
+    after = np.linalg.norm(there[first] - there[second], axis=1)
+    use = (before > SHORTEST * unit) & (after > 0)
+    return float(np.median(after[use] / before[use])) if use.any() else 1.0

@@ -1,0 +1,1 @@
+"""Reports of questions about many shapes."""

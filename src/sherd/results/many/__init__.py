@@ -1,0 +1,1 @@
+"""Results of questions about many shapes."""
