@@ -27,6 +27,7 @@ FLOORS = {
     "limits": 1,
     "npz": 1,
     "output": 1,
+    "processes": 1,
     "result_folder": 1,
     "threads": 1,
     "mesh": 2,
@@ -50,11 +51,13 @@ FLOORS = {
     "assemble": 12,
     "join": 12,
     "report": 13,
-    "benchmark": 14,
-    "cli": 15,
+    "batching": 14,
+    "batch": 15,
+    "benchmark": 16,
+    "cli": 17,
     # loads the public names from all floors, and starts the command line
-    "sherd": 16,
-    "__main__": 16,
+    "sherd": 18,
+    "__main__": 18,
 }
 GROUND = 1  # output may raise errors, and both stand on the ground
 LARGEST_FILE = 400

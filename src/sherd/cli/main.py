@@ -26,6 +26,11 @@ COMMANDS = {
         "assemble_command",
         "Find where all pieces of a puzzle belong.",
     ),
+    "batch": (
+        "sherd.cli.batching",
+        "batch_command",
+        "Match many parts; goes on after any interruption.",
+    ),
     "view": ("sherd.cli.viewing", "view_command", "Open a report again, or draw it as PNG."),
     "transfer": (
         "sherd.cli.transferring",
@@ -68,6 +73,7 @@ def main(**_: Any) -> None:
       sherd locate template.ply scan.ply -o out/
       sherd overlap left.ply right.ply -o out/
       sherd assemble template.ply piece*.ply -o out/
+      sherd batch template.ply --parts scans/ -o out/
       sherd view out/ --png
       sherd check scan.obj
     """  # noqa: D301

@@ -1,0 +1,247 @@
+"""batch(fulls, parts, folder): many parts, each matched with the full shape it belongs to."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Executor
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+
+from sherd.batching.gallery import write_gallery
+from sherd.batching.lock import lock_of
+from sherd.batching.manifest import check_batch_folder, listed_names, write_manifest
+from sherd.batching.options import BatchOptions, job_count
+from sherd.batching.parts import BatchPart, PartSource, batch_parts
+from sherd.batching.rows import BatchRow, count_words
+from sherd.batching.run import BatchRun, collected_rows
+from sherd.batching.summary import Summary
+from sherd.batching.task import MatchTask
+from sherd.batching.templates import FullShape, full_shapes, prepare_templates
+from sherd.batching.work import matched
+from sherd.errors import InputError, OptionError
+from sherd.processes import IsolatedProcesses
+from sherd.report.stored.folder import plain
+from sherd.results.match_options import MatchOptions
+from sherd.scan.intake import MeshSource
+from sherd.surface.template import Template
+
+__all__ = ["BatchResult", "batch", "collect_batch"]
+
+# An executor of others has so many tasks at a time: enough for a large cluster never to wait, and
+# not so many that a hundred thousand lie in its memory.
+FOREIGN_WINDOW = 1000
+
+
+@dataclass(frozen=True, repr=False)
+class BatchResult:
+    """What became of the parts of a batch.
+
+    Attributes
+    ----------
+    folder
+        Where everything is.
+    rows
+        One for each part that has an answer or a reason why not, in the order of the names.
+    waiting
+        Names of the parts that nobody has come to, as of other shares.
+    computed
+        How many of the rows were computed in this run.
+
+    Examples
+    --------
+    >>> BatchResult(Path("out"), (), ("leg",), 0).all_good
+    False
+    """
+
+    folder: Path
+    rows: tuple[BatchRow, ...]
+    waiting: tuple[str, ...]
+    computed: int
+
+    def __repr__(self) -> str:
+        return f"BatchResult({os.fspath(self.folder)!r}: {self.words})"
+
+    @property
+    def words(self) -> str:
+        """How many parts of each status."""
+        return count_words(self.rows, waiting=len(self.waiting))
+
+    @property
+    def all_answered(self) -> bool:
+        """Whether every part has an answer, good or not."""
+        return not self.waiting and all(row.status != "failed" for row in self.rows)
+
+    @property
+    def all_good(self) -> bool:
+        """Whether every part has a good answer."""
+        return not self.waiting and all(row.status == "good" for row in self.rows)
+
+
+def batch(
+    fulls: MeshSource | Template | Sequence[MeshSource | Template],
+    parts: PartSource,
+    folder: str | os.PathLike[str],
+    options: MatchOptions | None = None,
+    *,
+    batch_options: BatchOptions | None = None,
+    jobs: int | None = None,
+    executor: Executor | None = None,
+    tell: Callable[[BatchRow], None] | None = None,
+) -> BatchResult:
+    """Match every part with the full shape it belongs to, and write a folder of answers.
+
+    Parameters
+    ----------
+    fulls
+        One full shape or several: paths, meshes or templates.
+    parts
+        A folder, a pattern such as ``"scans/*.ply"``, or a sequence of files or
+        :class:`BatchPart`.
+    folder
+        Has afterwards ``parts/NAME`` for each part, as :func:`sherd.write_report` makes it,
+        ``summary.csv``, ``summary.json`` and ``gallery.html``. Started again with the same folder,
+        a batch goes on where it was: what has an answer to the same question is not asked again.
+    options
+        Of each match; landmarks and ignored vertices are given with each part instead.
+    batch_options
+        See :class:`BatchOptions`.
+    jobs
+        Worker processes; as many as cores, or as memory is free for, if None. A program that
+        calls this must begin under ``if __name__ == "__main__":``, as its workers import it.
+    executor
+        Computes instead of own processes: any :class:`concurrent.futures.Executor`. Its workers
+        must see the files of full shapes and parts and the folder under the same paths.
+    tell
+        Called with each row as soon as it is known, first those of earlier runs.
+
+    Returns
+    -------
+    BatchResult
+        Rows for all parts. What goes wrong with one part is its row, and never an exception.
+
+    Raises
+    ------
+    OptionError
+        If options are out of range or do not apply to many parts.
+    InputError
+        If a full shape cannot be read, there are no parts, or two have one name.
+    OutputError
+        If the folder cannot be written, holds something else, or another process works in it.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from concurrent.futures import ThreadPoolExecutor
+    >>> from sherd.shapes import creature, cut_by_ball, whole
+    >>> from sherd.files.mesh_files import write_mesh
+    >>> full = creature(5000)
+    >>> with tempfile.TemporaryDirectory() as folder, ThreadPoolExecutor(1) as here:
+    ...     scan = Path(folder, "scan.ply")
+    ...     write_mesh(cut_by_ball(whole(creature(5000, pose="walk"), full), 0, 0.4).mesh, scan)
+    ...     batch(full, [scan], Path(folder, "out"), executor=here).rows[0].status
+    'good'
+    """
+    target = Path(folder)
+    asked = batch_options or BatchOptions()
+    options = options or MatchOptions()
+    if options.landmarks or options.ignore:
+        raise OptionError(
+            "landmarks and ignored vertices are those of one part: give them with each, as "
+            "BatchPart(path, landmarks=..., ignore=...)"
+        )
+    listed = batch_parts(parts)
+    check_batch_folder(target, overwrite=asked.overwrite)
+    shapes, missing = full_shapes(_as_sequence(fulls), target, template=asked.template)
+    tasks = [_task(part, shapes, options, target, asked) for part in listed]
+    share = asked.share
+    with lock_of(target, share):
+        facts = {"fulls": [shape.source for shape in shapes], "options": plain(asdict(options))}
+        write_manifest(target, [task.name for task in tasks], **facts)
+        run = BatchRun(target, tasks, share, tell)
+        with run:
+            if run.waiting:
+                prepare_templates(missing)
+                with _workers(jobs, executor, asked.memory, len(run.waiting)) as (pool, window):
+                    run.compute(matched, pool, window)
+        return BatchResult(target, *run.rows_and_waiting(), run.computed)
+
+
+def collect_batch(folder: str | os.PathLike[str]) -> BatchResult:
+    """Make the summary and the gallery of all that any share has written into a folder.
+
+    Raises
+    ------
+    InputError
+        If there is no batch.
+    OutputError
+        If the tables cannot be written.
+    """
+    target = Path(folder)
+    names = listed_names(target)
+    rows = collected_rows(target, names)
+    Summary(target, names, rows).write()
+    found = [rows[name] for name in names if name in rows]
+    write_gallery(target, found)
+    waiting = tuple(name for name in names if name not in rows)
+    return BatchResult(target, tuple(found), waiting, 0)
+
+
+def _task(
+    part: BatchPart,
+    shapes: tuple[FullShape, ...],
+    options: MatchOptions,
+    folder: Path,
+    asked: BatchOptions,
+) -> MatchTask:
+    fulls = shapes
+    if part.full is not None:
+        fulls = tuple(shape for shape in shapes if part.full in (shape.name, shape.source))
+        if not fulls:
+            known = ", ".join(shape.name for shape in shapes)
+            raise InputError(f"{part.path}: belongs to {part.full}, but given were {known}")
+    if part.landmarks and len(fulls) > 1:
+        raise InputError(f"{part.path}: has landmarks; say which of the full shapes they are on")
+    return MatchTask(
+        part=part,
+        fulls=fulls,
+        options=replace(options, landmarks=part.landmarks, ignore=part.ignore),
+        folder=folder,
+        min_confidence=asked.min_confidence,
+        exports=asked.exports,
+        overwrite=asked.overwrite,
+        home=Path.cwd(),
+        submitter=os.getpid(),
+    )
+
+
+@contextlib.contextmanager
+def _workers(
+    jobs: int | None, executor: Executor | None, memory: int | None, tasks: int
+) -> Iterator[tuple[Executor, int]]:
+    """Who computes, and how many tasks at a time; own processes end with the block."""
+    if executor is not None:
+        if jobs is not None:
+            raise OptionError("jobs are own processes, and an executor brings its own: give one")
+        yield executor, FOREIGN_WINDOW
+        return
+    count, memory = job_count(jobs, memory)
+    workers = IsolatedProcesses(min(count, tasks), memory=memory)
+    try:
+        yield workers, workers.jobs
+    except BaseException:
+        workers.shutdown(cancel_futures=True)
+        raise
+    workers.shutdown()
+
+
+def _as_sequence(
+    fulls: MeshSource | Template | Sequence[MeshSource | Template],
+) -> Sequence[MeshSource | Template]:
+    """Several are a list, or a tuple that is no pair (vertices, faces)."""
+    if isinstance(fulls, list):
+        return fulls
+    if isinstance(fulls, tuple) and all(isinstance(each, str | os.PathLike) for each in fulls):
+        return fulls
+    return [fulls]

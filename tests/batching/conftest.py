@@ -1,0 +1,64 @@
+"""A batch whose matches are answered at once: what is tested here is all that is around them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import pytest
+
+from sherd.batch import BatchResult, batch
+from sherd.errors import InfeasibleError
+from sherd.files.mesh_files import write_mesh
+
+
+@dataclass
+class Stand:
+    """Files of a full shape and its parts, and what was asked so far."""
+
+    folder: Path
+    asked: list[str] = field(default_factory=list)
+    before: Callable[[str], None] = lambda _: None
+
+    @property
+    def out(self) -> Path:
+        return self.folder / "out"
+
+    def run(self, **more: object) -> BatchResult:
+        self.asked.clear()
+        given = {"parts": self.folder / "scans", "folder": self.out} | more
+        with ThreadPoolExecutor(1) as here:
+            return batch(self.folder / "whole.ply", executor=here, **given)
+
+
+@pytest.fixture
+def stand(tmp_path, exhibit, match_result_of, monkeypatch) -> Stand:
+    """Three parts and a broken one; `asked` are the names of the files that were matched."""
+    made = Stand(tmp_path)
+    (tmp_path / "scans").mkdir()
+    write_mesh(exhibit.full, tmp_path / "whole.ply")
+    for name in ("a", "b", "c"):
+        write_mesh(exhibit.part, tmp_path / "scans" / f"{name}.ply")
+    (tmp_path / "scans" / "broken.ply").write_text("ply\nformat ascii 1.0\nelement vertex 5\n")
+    result = match_result_of(exhibit)
+
+    def best_match(fulls, part, options):
+        made.asked.append(part.original.name)
+        made.before(part.original.name)
+        return fulls[0], result
+
+    def prepare(missing) -> None:
+        for path in missing:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_bytes(b"template")
+
+    monkeypatch.setattr("sherd.batching.work.best_match", best_match)
+    monkeypatch.setattr("sherd.batch.prepare_templates", prepare)
+    return made
+
+
+@pytest.fixture
+def too_large() -> InfeasibleError:
+    return InfeasibleError("the part is larger than the full shape")
