@@ -27,7 +27,6 @@ FLOORS = {
     "limits": 1,
     "npz": 1,
     "output": 1,
-    "processes": 1,
     "result_folder": 1,
     "threads": 1,
     "mesh": 2,
@@ -52,12 +51,11 @@ FLOORS = {
     "join": 12,
     "report": 13,
     "batching": 14,
-    "batch": 15,
-    "benchmark": 16,
-    "cli": 17,
+    "benchmark": 15,
+    "cli": 16,
     # loads the public names from all floors, and starts the command line
-    "sherd": 18,
-    "__main__": 18,
+    "sherd": 17,
+    "__main__": 17,
 }
 GROUND = 1  # output may raise errors, and both stand on the ground
 LARGEST_FILE = 400

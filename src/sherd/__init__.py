@@ -19,6 +19,12 @@ from sherd._version import __version__
 
 if TYPE_CHECKING:
     from sherd.assemble import assemble
+    from sherd.batching.batch import BatchResult, batch
+    from sherd.batching.collect import collect_batch
+    from sherd.batching.ledger.rows import BatchRow, PairRow
+    from sherd.batching.options import BatchOptions
+    from sherd.batching.pairs.all_pairs import PairsResult, all_pairs
+    from sherd.batching.parts import BatchPart
     from sherd.energy.convergence import Convergence
     from sherd.errors import (
         InfeasibleError,
@@ -61,6 +67,10 @@ if TYPE_CHECKING:
 _HOMES = {
     "AssembleOptions": "sherd.results.puzzle.assemble_options",
     "Assembly": "sherd.results.puzzle.assembly",
+    "BatchOptions": "sherd.batching.options",
+    "BatchPart": "sherd.batching.parts",
+    "BatchResult": "sherd.batching.batch",
+    "BatchRow": "sherd.batching.ledger.rows",
     "Convergence": "sherd.energy.convergence",
     "InfeasibleError": "sherd.errors",
     "InputError": "sherd.errors",
@@ -76,6 +86,8 @@ _HOMES = {
     "OutputError": "sherd.errors",
     "Overlap": "sherd.results.overlap_result",
     "OverlapOptions": "sherd.results.overlap_options",
+    "PairRow": "sherd.batching.ledger.rows",
+    "PairsResult": "sherd.batching.pairs.all_pairs",
     "Placement": "sherd.results.placement",
     "PointCloud": "sherd.mesh.point_cloud",
     "RepairReport": "sherd.repair.repair",
@@ -84,7 +96,10 @@ _HOMES = {
     "SurfacePoints": "sherd.mesh.surface_points",
     "Template": "sherd.surface.template",
     "TriangleMesh": "sherd.mesh.triangle_mesh",
+    "all_pairs": "sherd.batching.pairs.all_pairs",
     "assemble": "sherd.assemble",
+    "batch": "sherd.batching.batch",
+    "collect_batch": "sherd.batching.collect",
     "inspect": "sherd.repair.inspection",
     "join": "sherd.join",
     "locate": "sherd.locate",
@@ -104,6 +119,10 @@ _HOMES = {
 __all__ = [
     "AssembleOptions",
     "Assembly",
+    "BatchOptions",
+    "BatchPart",
+    "BatchResult",
+    "BatchRow",
     "Convergence",
     "InfeasibleError",
     "InputError",
@@ -119,6 +138,8 @@ __all__ = [
     "OutputError",
     "Overlap",
     "OverlapOptions",
+    "PairRow",
+    "PairsResult",
     "Placement",
     "PointCloud",
     "RepairReport",
@@ -128,7 +149,10 @@ __all__ = [
     "Template",
     "TriangleMesh",
     "__version__",
+    "all_pairs",
     "assemble",
+    "batch",
+    "collect_batch",
     "inspect",
     "join",
     "locate",

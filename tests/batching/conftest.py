@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
 
 import pytest
+from PIL import Image
 
-from sherd.batch import BatchResult, batch
+from sherd.batching.batch import BatchResult, batch
 from sherd.errors import InfeasibleError
 from sherd.files.mesh_files import write_mesh
+from sherd.report.match_report import match_report
+from sherd.report.stored.folder import plain
+from sherd.result_folder import ResultFolder
 
 
 @dataclass
@@ -33,8 +38,24 @@ class Stand:
             return batch(self.folder / "whole.ply", executor=here, **given)
 
 
+@pytest.fixture(scope="session")
+def written(exhibit, match_result_of) -> Callable[..., dict[str, object]]:
+    """As `write_report`, but draws nothing."""
+    document = plain(dict(match_report(match_result_of(exhibit)).document))
+    stream = io.BytesIO()
+    Image.new("RGB", (400, 160), "teal").save(stream, "PNG")
+
+    def write(result, folder, *, command, exports):
+        with ResultFolder(folder) as output:
+            output.add("match.png", stream.getvalue())
+            output.add("report.html", "<p>a report</p>")
+            return output.finish(document | {"command": command})
+
+    return write
+
+
 @pytest.fixture
-def stand(tmp_path, exhibit, match_result_of, monkeypatch) -> Stand:
+def stand(tmp_path, exhibit, match_result_of, written, monkeypatch) -> Stand:
     """Three parts and a broken one; `asked` are the names of the files that were matched."""
     made = Stand(tmp_path)
     (tmp_path / "scans").mkdir()
@@ -55,7 +76,8 @@ def stand(tmp_path, exhibit, match_result_of, monkeypatch) -> Stand:
             path.write_bytes(b"template")
 
     monkeypatch.setattr("sherd.batching.work.best_match", best_match)
-    monkeypatch.setattr("sherd.batch.prepare_templates", prepare)
+    monkeypatch.setattr("sherd.batching.work.write_report", written)
+    monkeypatch.setattr("sherd.batching.batch.prepare_templates", prepare)
     return made
 
 

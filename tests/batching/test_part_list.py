@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from sherd.batching.parts import BatchPart, Share, batch_parts, shared_part_list
-from sherd.cli.part_table import parts_of_table
+from sherd.batching.parts import BatchPart, Share, batch_parts, shared_list
+from sherd.cli.batch.part_table import parts_of_table
 from sherd.errors import InputError
 
 
@@ -58,7 +58,7 @@ def test_what_is_no_list_of_parts_is_refused(folder, source, said) -> None:
 @pytest.mark.parametrize("count", [1, 3, 7])
 def test_shares_are_all_parts_once(count) -> None:
     parts = [BatchPart(Path(f"{k}.ply"), name=str(k)) for k in range(10)]
-    shares = [shared_part_list(parts, Share(k + 1, count)) for k in range(count)]
+    shares = [shared_list(parts, Share(k + 1, count)) for k in range(count)]
     assert sorted(p.name for share in shares for p in share) == [str(k) for k in range(10)]
     assert max(map(len, shares)) - min(map(len, shares)) <= 1
 

@@ -108,8 +108,11 @@ def _submitted(executor: Executor, work: Callable[[Task], Result], task: Task) -
 def _error(future: Future[Result]) -> Exception | None:
     try:
         error = future.exception()
-    except CancelledError as cancelled:
-        return cancelled
+    except CancelledError as cancelled:  # not by us: we cancel only when we leave
+        raise SherdError(
+            "the executor has dropped a task that it had taken, as one does that has lost its "
+            "workers or its scheduler; start again, what is finished is kept"
+        ) from cancelled
     if error is None or isinstance(error, Exception):
         return error
     raise error

@@ -9,6 +9,7 @@ from pathlib import Path
 from sherd.batching.parts import Share
 from sherd.errors import OptionError
 from sherd.limits import available_memory, require_finite, require_whole
+from sherd.report.exports import require_exports
 from sherd.results.display import differences
 
 __all__ = ["BatchOptions", "job_count"]
@@ -28,7 +29,8 @@ class BatchOptions:
     min_confidence
         Below it a vertex counts as unmatched.
     exports
-        Further files of each answer, as of :func:`sherd.write_report`.
+        Further files of each answer, as of :func:`sherd.write_report`; with ``"parquet"`` also
+        ``summary.parquet``.
     template
         File that keeps what depends on the one full shape alone; in the folder if None.
     shard
@@ -63,6 +65,7 @@ class BatchOptions:
     def __post_init__(self) -> None:
         require_finite("min_confidence", self.min_confidence, 0, 1, "it is a chance")
         object.__setattr__(self, "exports", tuple(self.exports))
+        require_exports(self.exports)
         if self.template is not None:
             object.__setattr__(self, "template", Path(self.template))
         if self.memory is not None:

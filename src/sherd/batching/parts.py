@@ -8,11 +8,13 @@ from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TypeAlias
+from typing import TypeAlias, TypeVar
 
 from sherd.errors import InputError
 
-__all__ = ["BatchPart", "PartSource", "Share", "batch_parts", "shared_part_list"]
+__all__ = ["BatchPart", "PartSource", "Share", "batch_parts", "shared_list"]
+
+Listed = TypeVar("Listed")
 
 # What read_mesh and read_points read.
 SUFFIXES = (".off", ".obj", ".ply", ".stl", ".glb", ".xyz")
@@ -130,13 +132,13 @@ class Share:
         return cls(int(index), int(count))
 
 
-def shared_part_list(parts: Sequence[BatchPart], share: Share | None) -> tuple[BatchPart, ...]:
-    """The parts of one share; all if there is none.
+def shared_list(listed: Sequence[Listed], share: Share | None) -> list[Listed]:
+    """What belongs to one share of a list; all if there is none.
 
     Parts of similar names are often of similar size, so neighbors go to different shares. The rule
-    needs no talk between them, but all must see the same parts.
+    needs no talk between them, but all must see the same list.
     """
-    return tuple(parts) if share is None else tuple(parts[share.index - 1 :: share.count])
+    return list(listed) if share is None else list(listed[share.index - 1 :: share.count])
 
 
 def _found(text: str) -> tuple[Path, list[Path]]:

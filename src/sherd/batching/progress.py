@@ -7,7 +7,7 @@ from collections import Counter
 
 from tqdm import tqdm
 
-from sherd.batching.rows import STATUSES, BatchRow
+from sherd.batching.ledger.rows import STATUSES, Row
 
 __all__ = ["Progress"]
 
@@ -23,7 +23,7 @@ class Progress:
         Rows of earlier runs; they do not count for the rate.
     """
 
-    def __init__(self, total: int, known: list[BatchRow]) -> None:
+    def __init__(self, total: int, known: list[Row]) -> None:
         self._counts = Counter(row.status for row in known)
         self._bar = tqdm(
             total=total,
@@ -31,13 +31,13 @@ class Progress:
             disable=None,
             file=sys.stderr,
             leave=False,
-            unit="part",
+            unit="",
             dynamic_ncols=True,
             bar_format=("{desc} |{bar:20}| {n_fmt}/{total_fmt} {rate_fmt}, {remaining} left"),
         )
         self._describe()
 
-    def add(self, row: BatchRow) -> None:
+    def add(self, row: Row) -> None:
         """One more row."""
         self._counts[row.status] += 1
         self._describe()

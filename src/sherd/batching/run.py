@@ -1,72 +1,73 @@
-"""BatchRun: what is known of the parts, what is left to do, and what is written meanwhile."""
+"""BatchRun: what is known of the tasks, what is left to do, and what is written meanwhile."""
 
 from __future__ import annotations
 
-import contextlib
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
 from pathlib import Path
 from types import TracebackType
-from typing import Self
+from typing import Generic, Self, TypeVar
 
 from sherd.batching.engine import KILLED, finished_tasks
-from sherd.batching.fingerprint import Fingerprint
-from sherd.batching.gallery import write_gallery
-from sherd.batching.journal import Journal, Outcome, known_outcomes
-from sherd.batching.parts import Share
-from sherd.batching.place import PARTS, remove_leftovers
+from sherd.batching.guarded import failed, fingerprints, finished_outcome
+from sherd.batching.ledger.journal import Journal, Outcome, known_outcomes
+from sherd.batching.ledger.place import PARTS, remove_leftovers
+from sherd.batching.ledger.rows import FAILED, Row
+from sherd.batching.ledger.summary import Summary
 from sherd.batching.progress import Progress
-from sherd.batching.rows import FAILED, BatchRow
-from sherd.batching.summary import Summary
-from sherd.batching.task import MatchTask
-from sherd.batching.work import failed, finished_outcome
+from sherd.batching.task import Task
 from sherd.result_folder import RESULT
 
 __all__ = ["BatchRun", "collected_rows"]
 
+Any_Task = TypeVar("Any_Task", bound=Task)
 
-class BatchRun:
+
+class BatchRun(Generic[Any_Task]):
     """One run of a batch, or of one share; use as a context manager.
 
-    Leaving the block writes what is known, whatever happened.
+    Leaving the block writes the tables, whatever happened.
 
     Parameters
     ----------
     folder
         Of the batch, locked by this process.
+    kind
+        Of the rows.
     tasks
-        All of the batch, in the order of the tables.
-    share
-        Which of them are ours. Another process may write the tables then, and we write none.
+        Ours, in the order of the tables.
     tell
         Called with each of our rows.
+    tables
+        Whether to write them; of a share, whoever collects all does.
     """
 
     def __init__(
         self,
         folder: Path,
-        tasks: Sequence[MatchTask],
-        share: Share | None,
-        tell: Callable[[BatchRow], None] | None,
+        kind: type[Row],
+        tasks: Sequence[Any_Task],
+        tell: Callable[[Row], None],
+        *,
+        tables: bool,
     ) -> None:
-        self._folder, self._tell = folder, tell or (lambda _: None)
-        mine = tasks if share is None else tasks[share.index - 1 :: share.count]
-        self._names = [task.name for task in mine]
-        self._rows: dict[str, BatchRow] = {}
+        self._folder, self._tell = folder, tell
+        self._names = [task.name for task in tasks]
+        self._rows: dict[str, Row] = {}
         self.computed = 0
-        self.waiting: list[MatchTask] = []
+        self.left: list[Any_Task] = []
         remove_leftovers(folder)
         known = known_outcomes(folder)
         self._journal = Journal(folder)
-        for task in mine:
+        for task in tasks:
             outcome = _still_true(task, known.get(task.name))
             if outcome is None:
-                self.waiting.append(task)
+                self.left.append(task)
             else:
                 self._rows[task.name] = outcome.row
                 self._tell(outcome.row)
-        self._summary = None if share else Summary(folder, self._names, self._rows)
-        self._progress = Progress(len(mine), list(self._rows.values()))
+        self._summary = Summary(folder, kind, self._names, self._rows) if tables else None
+        self._progress = Progress(len(tasks), self.rows)
 
     def __enter__(self) -> Self:
         return self
@@ -82,11 +83,18 @@ class BatchRun:
         remove_leftovers(self._folder)
         if self._summary is not None:
             self._summary.write()
-            write_gallery(self._folder, self.rows_and_waiting()[0])
 
-    def compute(
-        self, work: Callable[[MatchTask], Outcome], executor: Executor, window: int
-    ) -> None:
+    @property
+    def rows(self) -> list[Row]:
+        """What is known, in the order of the tasks."""
+        return [self._rows[name] for name in self._names if name in self._rows]
+
+    @property
+    def waiting(self) -> tuple[str, ...]:
+        """Names of the tasks of which nothing is known."""
+        return tuple(name for name in self._names if name not in self._rows)
+
+    def compute(self, work: Callable[[Any_Task], Outcome], executor: Executor, window: int) -> None:
         """Do what is left.
 
         Raises
@@ -96,10 +104,8 @@ class BatchRun:
         OutputError
             If journal or tables cannot be written.
         """
-        refresh = self._summary.refresh if self._summary else lambda: None
-        for task, found in finished_tasks(
-            self.waiting, work, executor, window=window, idle=refresh
-        ):
+        refresh = self._summary.refresh if self._summary else _nothing
+        for task, found in finished_tasks(self.left, work, executor, window=window, idle=refresh):
             outcome = found if isinstance(found, Outcome) else _lost(task)
             self._journal.add(outcome)
             self._rows[task.name] = outcome.row
@@ -107,14 +113,9 @@ class BatchRun:
             self._progress.add(outcome.row)
             self._tell(outcome.row)
 
-    def rows_and_waiting(self) -> tuple[tuple[BatchRow, ...], tuple[str, ...]]:
-        """What is known of our parts, and the names of the others."""
-        known = tuple(self._rows[name] for name in self._names if name in self._rows)
-        return known, tuple(name for name in self._names if name not in self._rows)
 
-
-def collected_rows(folder: Path, names: Sequence[str]) -> dict[str, BatchRow]:
-    """What any process has found out about these parts, by name.
+def collected_rows(folder: Path, names: Sequence[str]) -> dict[str, Row]:
+    """What any process has found out about these tasks, by name.
 
     An answer counts only if its folder is there.
     """
@@ -123,32 +124,38 @@ def collected_rows(folder: Path, names: Sequence[str]) -> dict[str, BatchRow]:
     return {
         name: row
         for name, row in rows.items()
-        if row.status == FAILED or (folder / PARTS / name / RESULT).exists()
+        if row.status == FAILED or row.folder is None or _stands(folder / PARTS / name)
     }
 
 
-def _still_true(task: MatchTask, known: Outcome | None) -> Outcome | None:
-    """What is known of a part, if it is about these very files, options and version."""
-    part = None if known is None else known.part
-    if part is None or not part.looks_like(task.file):
+def _stands(folder: Path) -> bool:
+    return (folder / RESULT).exists()
+
+
+def _still_true(task: Task, known: Outcome | None) -> Outcome | None:
+    """What is known of a task, if it is about these very files, options and version."""
+    inputs = () if known is None else known.inputs
+    same = len(inputs) == len(task.files) and all(
+        each.looks_like(file) for each, file in zip(inputs, task.files, strict=True)
+    )
+    if not same:
         if known is None and not task.target.exists():
             return None
-        part = None
-        with contextlib.suppress(OSError):
-            part = Fingerprint.of(task.file)
-    if part is None:
-        return None
-    if known is None or known.row.key != task.key(part.sha256):
-        return finished_outcome(task, part)
-    if known.row.status == FAILED:
+        inputs = fingerprints(task.files)
+        if not inputs:
+            return None
+    if known is None or known.row.key != task.key([each.sha256 for each in inputs]):
+        return finished_outcome(task, inputs)
+    if known.row.folder is None:  # a failure, or an answer that needs no folder
         return known if known.row.finished else None
     whole = known.result is not None and known.result.still_of(task.target / RESULT)
     return known if whole else None
 
 
-def _lost(task: MatchTask) -> Outcome:
-    """The row of a part whose process ended without a word."""
-    part = None
-    with contextlib.suppress(OSError):
-        part = Fingerprint.of(task.file)
-    return failed(task, "killed", KILLED, part)
+def _lost(task: Task) -> Outcome:
+    """The row of a task whose process ended without a word."""
+    return failed(task, "killed", KILLED, fingerprints(task.files))
+
+
+def _nothing() -> None:
+    """There are no tables to refresh."""

@@ -6,18 +6,51 @@ import hashlib
 import json
 import os
 import shlex
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 from sherd._version import __version__
+from sherd.batching.ledger.place import PARTS
+from sherd.batching.ledger.rows import BatchRow, Failure, Row
 from sherd.batching.parts import BatchPart
-from sherd.batching.place import PARTS
 from sherd.batching.templates import FullShape
 from sherd.results.match_options import MatchOptions
 
-__all__ = ["MatchTask", "question_hash"]
+__all__ = ["MatchTask", "Task", "question_hash"]
+
+
+class Task(Protocol):
+    """A question of a batch, small enough to be sent anywhere."""
+
+    @property
+    def name(self) -> str:
+        """Unique among all tasks of a batch."""
+        ...
+
+    @property
+    def files(self) -> tuple[Path, ...]:
+        """What is read."""
+        ...
+
+    @property
+    def target(self) -> Path:
+        """Where the answer shall be."""
+        ...
+
+    @property
+    def submitter(self) -> int:
+        """Process that asks: another one computes on one thread, as it has neighbors."""
+        ...
+
+    def key(self, contents: Sequence[str]) -> str:
+        """Hash of all that the answer depends on; `contents` are those of its files."""
+        ...
+
+    def failed_row(self, failure: Failure, reason: str, key: str) -> Row:
+        """The row if there is no answer."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -62,25 +95,36 @@ class MatchTask:
         return self.part.name
 
     @property
-    def file(self) -> Path:
-        """Of the part."""
-        return self.home / self.part.path
+    def files(self) -> tuple[Path, ...]:
+        """What is read, beside the full shapes: the part's file."""
+        return (self.home / self.part.path,)
 
     @property
     def target(self) -> Path:
         """Where the answer shall be."""
         return self.home / self.folder / PARTS / self.name
 
-    def key(self, part_content: str) -> str:
-        """Hash of all that the answer depends on; `part_content` is that of the part's file."""
+    def key(self, contents: Sequence[str]) -> str:
+        """Hash of all that the answer depends on; `contents` are those of its files."""
         return question_hash(
             {
-                "part": [self.part.path.name, part_content],
+                "part": [self.part.path.name, *contents],
                 "fulls": [[full.name, full.content] for full in self.fulls],
                 "options": asdict(self.options),
                 "min_confidence": self.min_confidence,
                 "exports": self.exports,
             }
+        )
+
+    def failed_row(self, failure: Failure, reason: str, key: str) -> BatchRow:
+        """The row if there is no answer."""
+        return BatchRow(
+            name=self.name,
+            part=os.fspath(self.part.path),
+            full=self.fulls[0].name if len(self.fulls) == 1 else None,
+            reason=reason,
+            failure=failure,
+            key=key,
         )
 
     def command(self, full: FullShape) -> str:

@@ -10,7 +10,7 @@ from functools import lru_cache
 from pathlib import Path
 
 from sherd.arrays import Floats
-from sherd.batching.fingerprint import Fingerprint
+from sherd.batching.ledger.fingerprint import Fingerprint
 from sherd.errors import InputError, MeshFileError
 from sherd.scan.intake import MeshSource, mesh_intake
 from sherd.surface.template import Template

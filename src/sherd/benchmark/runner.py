@@ -6,9 +6,9 @@ import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Protocol, TypeVar
 
+from sherd.batching.processes import process_pool
 from sherd.limits import require_whole
 from sherd.output import Stages
-from sherd.processes import process_pool
 
 __all__ = ["Question", "measured_rows"]
 

@@ -27,7 +27,7 @@ COMMANDS = {
         "Find where all pieces of a puzzle belong.",
     ),
     "batch": (
-        "sherd.cli.batching",
+        "sherd.cli.batch.command",
         "batch_command",
         "Match many parts; goes on after any interruption.",
     ),

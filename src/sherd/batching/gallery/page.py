@@ -14,9 +14,9 @@ from typing import Any
 from urllib.parse import quote
 
 from sherd._version import __version__
-from sherd.batching.manifest import GALLERY
-from sherd.batching.place import THUMBNAIL
-from sherd.batching.rows import STATUSES, BatchRow
+from sherd.batching.ledger.manifest import GALLERY
+from sherd.batching.ledger.place import THUMBNAIL
+from sherd.batching.ledger.rows import STATUSES, BatchRow
 from sherd.output import write_text
 
 __all__ = ["gallery_page", "write_gallery"]
@@ -96,7 +96,7 @@ def _address(row: BatchRow) -> str:
 
 
 def _asset(name: str) -> str:
-    return (resources.files("sherd.batching") / "assets" / name).read_text(encoding="utf-8")
+    return (resources.files("sherd.batching.gallery") / "assets" / name).read_text(encoding="utf-8")
 
 
 def _json(value: Any) -> str:

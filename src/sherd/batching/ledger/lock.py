@@ -7,9 +7,9 @@ import os
 from collections.abc import Iterator
 from pathlib import Path
 
-from sherd.batching.journal import JOURNALS
+from sherd.batching.ledger.journal import JOURNALS
+from sherd.batching.ledger.place import HOST
 from sherd.batching.parts import Share
-from sherd.batching.place import HOST
 from sherd.errors import OutputError
 from sherd.output import reported
 

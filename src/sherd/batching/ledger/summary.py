@@ -6,7 +6,7 @@ import time
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from sherd.batching.rows import BatchRow, write_summary
+from sherd.batching.ledger.rows import Row, write_summary
 
 __all__ = ["Summary"]
 
@@ -22,14 +22,18 @@ class Summary:
     ----------
     folder
         Of the batch.
+    kind
+        Of the rows.
     names
         Of all parts, in the order of the tables.
     rows
         By name; may grow meanwhile.
     """
 
-    def __init__(self, folder: Path, names: Sequence[str], rows: Mapping[str, BatchRow]) -> None:
-        self._folder, self._names, self._rows = folder, names, rows
+    def __init__(
+        self, folder: Path, kind: type[Row], names: Sequence[str], rows: Mapping[str, Row]
+    ) -> None:
+        self._folder, self._kind, self._names, self._rows = folder, kind, names, rows
         self._next = 0.0
         self._written = -1
 
@@ -49,7 +53,7 @@ class Summary:
         start = time.monotonic()
         rows = [self._rows[name] for name in self._names if name in self._rows]
         waiting = [name for name in self._names if name not in self._rows]
-        write_summary(self._folder, rows, waiting)
+        write_summary(self._folder, self._kind, rows, waiting)
         self._written = len(self._rows)
         end = time.monotonic()
         self._next = end + max(SECONDS, (end - start) / LARGEST_SHARE)

@@ -16,9 +16,9 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Self, TextIO
 
-from sherd.batching.fingerprint import Fingerprint
-from sherd.batching.place import HOST
-from sherd.batching.rows import BatchRow, row_of
+from sherd.batching.ledger.fingerprint import Fingerprint
+from sherd.batching.ledger.place import HOST
+from sherd.batching.ledger.rows import Row, row_of
 from sherd.output import reported
 
 __all__ = ["JOURNALS", "Journal", "Outcome", "known_outcomes", "outcome_text", "stored_outcome"]
@@ -28,10 +28,10 @@ JOURNALS = "journal"
 
 @dataclass(frozen=True)
 class Outcome:
-    """A row, the part's file as it was read, and the ``result.json`` that was written."""
+    """A row, the files that it is about as they were read, and the ``result.json`` written."""
 
-    row: BatchRow
-    part: Fingerprint | None = None
+    row: Row
+    inputs: tuple[Fingerprint, ...] = ()
     result: Fingerprint | None = None
 
 
@@ -103,11 +103,9 @@ def stored_outcome(text: str) -> Outcome | None:
     """What :func:`outcome_text` wrote; None if it is torn or of another version."""
     try:
         values: dict[str, Any] = json.loads(text)
-        part, result = (
-            None if values[name] is None else Fingerprint(**values[name])
-            for name in ("part", "result")
-        )
-        return Outcome(row_of(values["row"]), part, result)
+        inputs = tuple(Fingerprint(**each) for each in values["inputs"])
+        result = None if values["result"] is None else Fingerprint(**values["result"])
+        return Outcome(row_of(values["row"]), inputs, result)
     except (ValueError, KeyError, TypeError):
         return None
 

@@ -4,22 +4,28 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from sherd._version import __version__
-from sherd.batching.journal import JOURNALS
-from sherd.batching.place import PARTS
+from sherd.batching.ledger.journal import JOURNALS
+from sherd.batching.ledger.place import PARTS
 from sherd.batching.templates import TEMPLATES
 from sherd.errors import InputError, OutputError
 from sherd.output import require_writable, write_text
 
-__all__ = ["GALLERY", "check_batch_folder", "listed_names", "write_manifest"]
+__all__ = ["GALLERY", "Listed", "check_batch_folder", "listed", "write_manifest"]
 
 MANIFEST = "batch.json"
 MANIFEST_FORMAT = "sherd batch-list 1"
 GALLERY = "gallery.html"
-OURS = frozenset({MANIFEST, GALLERY, "summary.csv", "summary.json", PARTS, JOURNALS, TEMPLATES})
+OURS = frozenset(
+    {
+        MANIFEST, GALLERY, PARTS, JOURNALS, TEMPLATES, "summary.csv", "summary.json",
+        "summary.parquet", "shared_area.csv", "likeness.csv", "matrix.png",
+    }
+)  # fmt: skip
 
 
 def check_batch_folder(folder: Path, *, overwrite: bool) -> None:
@@ -58,8 +64,27 @@ def write_manifest(folder: Path, names: Sequence[str], **facts: Any) -> None:
         write_text(folder / MANIFEST, json.dumps(document, indent=1) + "\n")
 
 
-def listed_names(folder: Path) -> tuple[str, ...]:
-    """Names of all parts of the batch in a folder.
+@dataclass(frozen=True)
+class Listed:
+    """What a batch is about.
+
+    Attributes
+    ----------
+    names
+        Of all its parts or pairs.
+    shapes
+        Names of the shapes of the pairs; None if it is about parts.
+    exports
+        Further files.
+    """
+
+    names: tuple[str, ...]
+    shapes: tuple[str, ...] | None
+    exports: tuple[str, ...]
+
+
+def listed(folder: Path) -> Listed:
+    """What the batch in a folder is about.
 
     Raises
     ------
@@ -69,7 +94,12 @@ def listed_names(folder: Path) -> tuple[str, ...]:
     document = _document(folder)
     if document is None:
         raise InputError(f"{folder}: holds no batch; name the folder that was given with -o")
-    return tuple(str(name) for name in document["parts"])
+    shapes = document.get("shapes")
+    return Listed(
+        tuple(str(name) for name in document["parts"]),
+        None if shapes is None else tuple(str(name) for name in shapes),
+        tuple(str(name) for name in document.get("exports", ())),
+    )
 
 
 def _document(folder: Path) -> dict[str, Any] | None:

@@ -2,36 +2,32 @@
 
 from __future__ import annotations
 
-import contextlib
 import os
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import Executor
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
 
-from sherd.batching.gallery import write_gallery
-from sherd.batching.lock import lock_of
-from sherd.batching.manifest import check_batch_folder, listed_names, write_manifest
-from sherd.batching.options import BatchOptions, job_count
-from sherd.batching.parts import BatchPart, PartSource, batch_parts
-from sherd.batching.rows import BatchRow, count_words
-from sherd.batching.run import BatchRun, collected_rows
-from sherd.batching.summary import Summary
+from sherd.batching.gallery.page import write_gallery
+from sherd.batching.ledger.lock import lock_of
+from sherd.batching.ledger.manifest import check_batch_folder, write_manifest
+from sherd.batching.ledger.rows import FAILED, BatchRow, Row, count_words
+from sherd.batching.options import BatchOptions
+from sherd.batching.parts import BatchPart, PartSource, batch_parts, shared_list
+from sherd.batching.run import BatchRun
 from sherd.batching.task import MatchTask
 from sherd.batching.templates import FullShape, full_shapes, prepare_templates
 from sherd.batching.work import matched
+from sherd.batching.workers import workers
 from sherd.errors import InputError, OptionError
-from sherd.processes import IsolatedProcesses
+from sherd.files.parquet import parquet_bytes
+from sherd.output import write_bytes
 from sherd.report.stored.folder import plain
 from sherd.results.match_options import MatchOptions
 from sherd.scan.intake import MeshSource
 from sherd.surface.template import Template
 
-__all__ = ["BatchResult", "batch", "collect_batch"]
-
-# An executor of others has so many tasks at a time: enough for a large cluster never to wait, and
-# not so many that a hundred thousand lie in its memory.
-FOREIGN_WINDOW = 1000
+__all__ = ["BatchResult", "batch", "write_pages"]
 
 
 @dataclass(frozen=True, repr=False)
@@ -71,7 +67,7 @@ class BatchResult:
     @property
     def all_answered(self) -> bool:
         """Whether every part has an answer, good or not."""
-        return not self.waiting and all(row.status != "failed" for row in self.rows)
+        return not self.waiting and all(row.status != FAILED for row in self.rows)
 
     @property
     def all_good(self) -> bool:
@@ -158,34 +154,47 @@ def batch(
     share = asked.share
     with lock_of(target, share):
         facts = {"fulls": [shape.source for shape in shapes], "options": plain(asdict(options))}
+        facts["exports"] = list(asked.exports)
         write_manifest(target, [task.name for task in tasks], **facts)
-        run = BatchRun(target, tasks, share, tell)
-        with run:
-            if run.waiting:
-                prepare_templates(missing)
-                with _workers(jobs, executor, asked.memory, len(run.waiting)) as (pool, window):
-                    run.compute(matched, pool, window)
-        return BatchResult(target, *run.rows_and_waiting(), run.computed)
+        mine = shared_list(tasks, share)
+        run = BatchRun(target, BatchRow, mine, _as_match_teller(tell), tables=share is None)
+        try:
+            with run:
+                if run.left:
+                    prepare_templates(missing)
+                    with workers(jobs, executor, asked.memory, len(run.left)) as (pool, window):
+                        run.compute(matched, pool, window)
+        finally:
+            if share is None:
+                write_pages(target, _match_rows(run.rows), asked.exports)
+        return BatchResult(target, _match_rows(run.rows), run.waiting, run.computed)
 
 
-def collect_batch(folder: str | os.PathLike[str]) -> BatchResult:
-    """Make the summary and the gallery of all that any share has written into a folder.
+def write_pages(folder: Path, rows: Sequence[BatchRow], exports: Sequence[str]) -> None:
+    """Write ``gallery.html`` and, if correspondence is in that format, ``summary.parquet``.
 
     Raises
     ------
-    InputError
-        If there is no batch.
     OutputError
-        If the tables cannot be written.
+        If one cannot be written.
     """
-    target = Path(folder)
-    names = listed_names(target)
-    rows = collected_rows(target, names)
-    Summary(target, names, rows).write()
-    found = [rows[name] for name in names if name in rows]
-    write_gallery(target, found)
-    waiting = tuple(name for name in names if name not in rows)
-    return BatchResult(target, tuple(found), waiting, 0)
+    write_gallery(folder, rows)
+    if "parquet" in exports:
+        names = [each.name for each in fields(BatchRow)]
+        columns = {name: [getattr(row, name) for row in rows] for name in names}
+        write_bytes(folder / "summary.parquet", parquet_bytes(columns))
+
+
+def _match_rows(rows: Iterable[Row]) -> tuple[BatchRow, ...]:
+    return tuple(row for row in rows if isinstance(row, BatchRow))
+
+
+def _as_match_teller(tell: Callable[[BatchRow], None] | None) -> Callable[[Row], None]:
+    def told(row: Row) -> None:
+        if tell is not None and isinstance(row, BatchRow):
+            tell(row)
+
+    return told
 
 
 def _task(
@@ -214,26 +223,6 @@ def _task(
         home=Path.cwd(),
         submitter=os.getpid(),
     )
-
-
-@contextlib.contextmanager
-def _workers(
-    jobs: int | None, executor: Executor | None, memory: int | None, tasks: int
-) -> Iterator[tuple[Executor, int]]:
-    """Who computes, and how many tasks at a time; own processes end with the block."""
-    if executor is not None:
-        if jobs is not None:
-            raise OptionError("jobs are own processes, and an executor brings its own: give one")
-        yield executor, FOREIGN_WINDOW
-        return
-    count, memory = job_count(jobs, memory)
-    workers = IsolatedProcesses(min(count, tasks), memory=memory)
-    try:
-        yield workers, workers.jobs
-    except BaseException:
-        workers.shutdown(cancel_futures=True)
-        raise
-    workers.shutdown()
 
 
 def _as_sequence(

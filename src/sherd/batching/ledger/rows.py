@@ -21,6 +21,8 @@ __all__ = [
     "SUMMARY_FORMAT",
     "BatchRow",
     "Failure",
+    "PairRow",
+    "Row",
     "count_words",
     "row_of",
     "write_summary",
@@ -97,7 +99,59 @@ class BatchRow:
         return self.status != FAILED or self.failure in LASTING
 
 
-def row_of(values: Mapping[str, Any]) -> BatchRow:
+@dataclass(frozen=True)
+class PairRow:
+    """What is said of one pair of a collection; None is unknown.
+
+    Attributes
+    ----------
+    name
+        Of the pair, and of its folder.
+    first, second
+        Files of the shapes.
+    status, reason, failure, seconds, memory, folder, key
+        As of a :class:`BatchRow`; ``"foreign"``: nothing is shared.
+    likeness
+        Share in [0, 1] of a few dozen points of each that have a like on the other, consistently.
+    asked
+        Whether that was enough for the full question; else the rest is unknown.
+    chance
+        That what is shared is right.
+    shared_of_first, shared_of_second
+        Share of each one's area that the other has too.
+
+    Examples
+    --------
+    >>> PairRow("a--b", "a.ply", "b.ply", status="foreign", likeness=0.2).finished
+    True
+    """
+
+    name: str
+    first: str
+    second: str
+    status: str = FAILED
+    reason: str = ""
+    failure: Failure | None = None
+    likeness: float | None = None
+    asked: bool = False
+    chance: float | None = None
+    shared_of_first: float | None = None
+    shared_of_second: float | None = None
+    seconds: float | None = None
+    memory: int | None = None
+    folder: str | None = None
+    key: str = ""
+
+    @property
+    def finished(self) -> bool:
+        """Whether the same question would be answered in the same way again."""
+        return self.status != FAILED or self.failure in LASTING
+
+
+Row: TypeAlias = BatchRow | PairRow
+
+
+def row_of(values: Mapping[str, Any]) -> Row:
     """A row from what was stored of it.
 
     Raises
@@ -105,10 +159,10 @@ def row_of(values: Mapping[str, Any]) -> BatchRow:
     TypeError
         If it is none.
     """
-    return BatchRow(**values)
+    return PairRow(**values) if "first" in values else BatchRow(**values)
 
 
-def count_words(rows: Iterable[BatchRow], *, waiting: int = 0) -> str:
+def count_words(rows: Iterable[Row], *, waiting: int = 0) -> str:
     """How many rows of each status, in words.
 
     Examples
@@ -123,15 +177,17 @@ def count_words(rows: Iterable[BatchRow], *, waiting: int = 0) -> str:
     return ", ".join(said) or "none"
 
 
-def write_summary(folder: Path, rows: Sequence[BatchRow], waiting: Sequence[str]) -> None:
-    """Write ``summary.csv`` and ``summary.json``, each atomically.
+def write_summary(
+    folder: Path, kind: type[Row], rows: Sequence[Row], waiting: Sequence[str]
+) -> None:
+    """Write ``summary.csv`` and ``summary.json`` of rows of one kind, each atomically.
 
     Raises
     ------
     OutputError
         If they cannot be written.
     """
-    names = [each.name for each in fields(BatchRow)]
+    names = [each.name for each in fields(kind)]
     stream = io.StringIO()
     table = csv.DictWriter(stream, names, lineterminator="\n")
     table.writeheader()
