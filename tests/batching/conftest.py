@@ -9,10 +9,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import pytest
+from click.testing import CliRunner, Result
 from PIL import Image
 
 from sherd.batching.batch import BatchResult, batch
-from sherd.errors import InfeasibleError
+from sherd.cli.main import main
 from sherd.files.mesh_files import write_mesh
 from sherd.report.match_report import match_report
 from sherd.report.stored.folder import plain
@@ -81,6 +82,19 @@ def stand(tmp_path, exhibit, match_result_of, written, monkeypatch) -> Stand:
     return made
 
 
+class Here(ThreadPoolExecutor):
+    """In place of worker processes."""
+
+    def __init__(self, jobs: int, *, memory: int | None = None) -> None:
+        super().__init__(1)
+        self.jobs = jobs
+
+
 @pytest.fixture
-def too_large() -> InfeasibleError:
-    return InfeasibleError("the part is larger than the full shape")
+def command(stand, monkeypatch) -> Callable[..., Result]:
+    """`command("batch", ...)`: what `sherd` says and its exit code, in the folder of `stand`."""
+    monkeypatch.setattr("sherd.batching.workers.IsolatedProcesses", Here)
+    monkeypatch.setattr("sherd.cli.batch.command.prepare_first_run", lambda *, quiet: None)
+    monkeypatch.chdir(stand.folder)
+    stand.asked.clear()
+    return lambda *words: CliRunner().invoke(main, [str(word) for word in words])

@@ -65,7 +65,7 @@ def matrix_picture(names: Sequence[str], shared: Floats, likeness: Floats) -> by
     cell = int(np.clip(PICTURE // max(1, len(names)), *CELLS))
     side = cell * len(names)
     width, height = LABELS + side + 20, side + 90
-    image = Image.new("RGB", (2 * width, height), "white")
+    image = Image.new("RGBA", (2 * width, height), "white")
     titles = ("Share of the row's area that the column's shape has too", "Likeness")
     for k, (title, matrix) in enumerate(zip(titles, (shared, likeness), strict=True)):
         _draw(image, (k * width, 50), cell, names, matrix)
