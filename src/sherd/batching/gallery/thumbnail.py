@@ -12,7 +12,7 @@ __all__ = ["thumbnail"]
 # Two shapes side by side are told apart at this width on a page, and a thousand take 10 MB.
 WIDTH = 320
 # Title above and legend below, as shares of the width; see sherd.drawing.picture.
-TOP, BOTTOM = 100 / 1600, 150 / 1600
+TOP, BOTTOM = 100 / 1600, 176 / 1600
 # At 60 the colors of flat shaded shapes show no blocks.
 QUALITY = 60
 
