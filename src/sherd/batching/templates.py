@@ -36,12 +36,16 @@ class FullShape:
         SHA-256 of its file, or of its arrays.
     template
         File of its template.
+    file
+        Its own file, for what the template does not keep: values at its vertices, and what reading
+        it had to say. Of a mesh in memory there is none, and its values are not written.
     """
 
     name: str
     source: str
     content: str
     template: Path
+    file: Path | None = None
 
 
 def full_shapes(
@@ -91,20 +95,23 @@ def loaded_template(shape: FullShape) -> Template:
     MeshFileError
         If its file is missing or damaged.
     """
-    return _loaded(str(shape.template), shape.content)
+    return _loaded(shape)
 
 
 @lru_cache(maxsize=KEPT_TEMPLATES)
-def _loaded(path: str, content: str) -> Template:  # noqa: ARG001 - part of what is remembered
-    if not Path(path).exists():
-        raise MeshFileError(
-            f"{path}: is not there; workers on other machines need the folder of the batch on a "
-            "file system that all of them share"
-        )
-    return Template.load(path)
+def _loaded(shape: FullShape) -> Template:
+    for path in (shape.template, shape.file):
+        if path is not None and not path.exists():
+            raise MeshFileError(
+                f"{path}: is not there; workers on other machines need the full shapes and the "
+                "folder of the batch on a file system that all of them share"
+            )
+    full = None if shape.file is None else mesh_intake(shape.file)
+    return Template.load(shape.template, full=full)
 
 
 def _full_shape(source: MeshSource | Template, folder: Path, template: Path | None) -> FullShape:
+    file: Path | None
     if isinstance(source, str | os.PathLike):
         path = Path(source)
         try:
@@ -112,13 +119,13 @@ def _full_shape(source: MeshSource | Template, folder: Path, template: Path | No
         except OSError as error:
             reason = error.strerror or str(error)
             raise MeshFileError(f"{path}: cannot be read ({reason}); check the path") from error
-        name, typed = path.name, os.fspath(source)
+        name, typed, file = path.name, os.fspath(source), path.absolute()
     else:
         mesh = source.full if isinstance(source, Template) else mesh_intake(source).original
         content, name = _content(mesh.vertices, mesh.faces), mesh.name
-        typed = name
+        typed, file = name, None
     kept = template or folder / TEMPLATES / f"{Path(name).stem}-{content[:16]}.npz"
-    return FullShape(name, typed, content, kept.absolute())
+    return FullShape(name, typed, content, kept.absolute(), file)
 
 
 def _content(vertices: Floats, faces: object) -> str:

@@ -38,7 +38,7 @@ Failure: TypeAlias = Literal["refused", "internal", "memory", "killed", "not wri
 LASTING: tuple[Failure, ...] = ("refused", "internal")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class BatchRow:
     """What a batch says of one part; None is unknown.
 
@@ -93,13 +93,17 @@ class BatchRow:
     folder: str | None = None
     key: str = ""
 
+    def __repr__(self) -> str:
+        full = "" if self.full is None else f" on {self.full!r}"
+        return f"BatchRow({self.name!r}{full}: {_outcome_words(self)})"
+
     @property
     def finished(self) -> bool:
         """Whether the same question would be answered in the same way again."""
         return self.status != FAILED or self.failure in LASTING
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class PairRow:
     """What is said of one pair of a collection; None is unknown.
 
@@ -142,6 +146,9 @@ class PairRow:
     folder: str | None = None
     key: str = ""
 
+    def __repr__(self) -> str:
+        return f"PairRow({self.first!r}, {self.second!r}: {_outcome_words(self)})"
+
     @property
     def finished(self) -> bool:
         """Whether the same question would be answered in the same way again."""
@@ -149,6 +156,12 @@ class PairRow:
 
 
 Row: TypeAlias = BatchRow | PairRow
+
+
+def _outcome_words(row: Row) -> str:
+    if row.status == FAILED:
+        return f"failed, {row.reason[:60]}"
+    return row.status if row.chance is None else f"{row.status}, chance {row.chance:.2f}"
 
 
 def row_of(values: Mapping[str, Any]) -> Row:
