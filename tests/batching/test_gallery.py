@@ -6,7 +6,11 @@ import base64
 import json
 import re
 
+import numpy as np
+from PIL import Image
+
 from sherd.batching.gallery.page import gallery_page, write_gallery
+from sherd.batching.gallery.thumbnail import thumbnail
 from sherd.batching.ledger.place import PARTS, THUMBNAIL
 from sherd.batching.ledger.rows import BatchRow
 
@@ -45,3 +49,9 @@ def test_pictures_are_inside_and_of_very_many_beside_the_page(tmp_path, monkeypa
     monkeypatch.setattr("sherd.batching.gallery.page.MOST_INSIDE", 1)
     write_gallery(tmp_path, rows(2))
     assert "parts/p1/thumbnail.webp" in (tmp_path / "gallery.html").read_text()
+
+
+def test_even_noise_gives_a_small_thumbnail(tmp_path) -> None:
+    noise = np.random.default_rng(0).integers(0, 256, (700, 1600, 3), dtype=np.uint8)
+    Image.fromarray(noise).save(tmp_path / "match.png")
+    assert 0 < len(thumbnail(tmp_path / "match.png")) <= 12_000

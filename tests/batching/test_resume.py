@@ -165,6 +165,8 @@ def test_shards_share_the_work_and_are_collected(stand) -> None:
     assert (stand.out / "gallery.html").exists()
     stand.run()
     assert stand.asked == []
+    stand.run(options=MatchOptions(seed=1), batch_options=BatchOptions(shard="1/2"))
+    assert collect_batch(stand.out).waiting == ("b", "c")  # with other options they have no answer
     with pytest.raises(InputError, match="holds no batch"):
         collect_batch(stand.folder)
 

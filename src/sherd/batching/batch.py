@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import Executor
 from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
+from typing import Any
 
 from sherd.batching.gallery.page import write_gallery
 from sherd.batching.ledger.lock import lock_of
@@ -16,7 +17,7 @@ from sherd.batching.options import BatchOptions
 from sherd.batching.parts import BatchPart, PartSource, batch_parts, shared_list
 from sherd.batching.run import BatchRun
 from sherd.batching.task import MatchTask
-from sherd.batching.templates import FullShape, full_shapes, prepare_templates
+from sherd.batching.templates import full_shapes, prepare_templates
 from sherd.batching.work import matched
 from sherd.batching.workers import workers
 from sherd.errors import InputError, OptionError
@@ -128,42 +129,46 @@ def batch(
 
     Examples
     --------
-    >>> import tempfile
-    >>> from concurrent.futures import ThreadPoolExecutor
-    >>> from sherd.shapes import creature, cut_by_ball, whole
-    >>> from sherd.files.mesh_files import write_mesh
-    >>> full = creature(5000)
-    >>> with tempfile.TemporaryDirectory() as folder, ThreadPoolExecutor(1) as here:
-    ...     scan = Path(folder, "scan.ply")
-    ...     write_mesh(cut_by_ball(whole(creature(5000, pose="walk"), full), 0, 0.4).mesh, scan)
-    ...     batch(full, [scan], Path(folder, "out"), executor=here).rows[0].status
-    'good'
+    >>> try:
+    ...     batch("template.ply", "nowhere/", "out/")
+    ... except InputError as error:
+    ...     print(error)
+    nowhere/: no such folder or file; check the path
     """
     target = Path(folder)
     asked = batch_options or BatchOptions()
-    options = options or MatchOptions()
-    if options.landmarks or options.ignore:
-        raise OptionError(
-            "landmarks and ignored vertices are those of one part: give them with each, as "
-            "BatchPart(path, landmarks=..., ignore=...)"
-        )
+    options = _options_of_all(options)
     listed = batch_parts(parts)
     check_batch_folder(target, overwrite=asked.overwrite)
     shapes, missing = full_shapes(_as_sequence(fulls), target, template=asked.template)
-    tasks = [_task(part, shapes, options, target, asked) for part in listed]
+    common = MatchTask(
+        BatchPart(target),
+        shapes,
+        options,
+        target,
+        min_confidence=asked.min_confidence,
+        exports=asked.exports,
+        overwrite=asked.overwrite,
+        home=Path.cwd(),
+        submitter=0 if executor is None else os.getpid(),
+    )
+    common = replace(common, settings=common.key(()))
+    tasks = [_task(part, common) for part in listed]
     share = asked.share
     with lock_of(target, share):
-        facts = {"fulls": [shape.source for shape in shapes], "options": plain(asdict(options))}
-        facts["exports"] = list(asked.exports)
+        facts: dict[str, Any] = {
+            "fulls": [shape.source for shape in shapes],
+            "options": plain(asdict(options)),
+        }
+        facts |= {"exports": list(asked.exports), "settings": common.settings}
         write_manifest(target, [task.name for task in tasks], **facts)
         mine = shared_list(tasks, share)
         run = BatchRun(target, BatchRow, mine, _as_match_teller(tell), tables=share is None)
         try:
             with run:
-                if run.left:
-                    prepare_templates(missing)
-                    with workers(jobs, executor, asked.memory, len(run.left)) as (pool, window):
-                        run.compute(matched, pool, window)
+                prepare_templates(missing if run.left else {})
+                with workers(jobs, executor, asked.memory, len(run.left)) as (pool, window):
+                    run.compute(matched, pool, window)
         finally:
             if share is None:
                 write_pages(target, _match_rows(run.rows), asked.exports)
@@ -197,32 +202,28 @@ def _as_match_teller(tell: Callable[[BatchRow], None] | None) -> Callable[[Row],
     return told
 
 
-def _task(
-    part: BatchPart,
-    shapes: tuple[FullShape, ...],
-    options: MatchOptions,
-    folder: Path,
-    asked: BatchOptions,
-) -> MatchTask:
-    fulls = shapes
+def _options_of_all(options: MatchOptions | None) -> MatchOptions:
+    options = options or MatchOptions()
+    if options.landmarks or options.ignore:
+        raise OptionError(
+            "landmarks and ignored vertices are those of one part: give them with each, as "
+            "BatchPart(path, landmarks=..., ignore=...)"
+        )
+    return options
+
+
+def _task(part: BatchPart, common: MatchTask) -> MatchTask:
+    """The question of one part, from what all have in common."""
+    fulls = common.fulls
     if part.full is not None:
-        fulls = tuple(shape for shape in shapes if part.full in (shape.name, shape.source))
+        fulls = tuple(full for full in fulls if part.full in (full.name, full.source))
         if not fulls:
-            known = ", ".join(shape.name for shape in shapes)
+            known = ", ".join(full.name for full in common.fulls)
             raise InputError(f"{part.path}: belongs to {part.full}, but given were {known}")
     if part.landmarks and len(fulls) > 1:
         raise InputError(f"{part.path}: has landmarks; say which of the full shapes they are on")
-    return MatchTask(
-        part=part,
-        fulls=fulls,
-        options=replace(options, landmarks=part.landmarks, ignore=part.ignore),
-        folder=folder,
-        min_confidence=asked.min_confidence,
-        exports=asked.exports,
-        overwrite=asked.overwrite,
-        home=Path.cwd(),
-        submitter=os.getpid(),
-    )
+    options = replace(common.options, landmarks=part.landmarks, ignore=part.ignore)
+    return replace(common, part=part, fulls=fulls, options=options)
 
 
 def _as_sequence(

@@ -46,7 +46,7 @@ def collect_batch(folder: str | os.PathLike[str]) -> BatchResult | PairsResult:
     """
     target = Path(folder)
     found = listed(target)
-    known = collected_rows(target, found.names)
+    known = collected_rows(target, found.names, found.settings)
     rows = [known[name] for name in found.names if name in known]
     waiting = tuple(name for name in found.names if name not in known)
     Summary(target, BatchRow if found.shapes is None else PairRow, found.names, known).write()

@@ -31,7 +31,7 @@ Inputs = tuple[Fingerprint, ...]
 
 def guarded(task: Any_Task, compute: Callable[[Any_Task, Inputs], Outcome]) -> Outcome:
     """What stands in the folder of the task, if it answers it; else what `compute` makes of it."""
-    if os.getpid() != task.submitter:
+    if task.submitter not in (0, os.getpid()):
         set_thread_count(1)
     start = time.perf_counter()
     read: Inputs = ()
@@ -76,7 +76,8 @@ def finished_outcome(task: Task, inputs: Inputs) -> Outcome | None:
 def failed(task: Task, failure: Failure, reason: str, inputs: Inputs = ()) -> Outcome:
     """The row of a task that has no answer."""
     key = task.key([each.sha256 for each in inputs]) if inputs else ""
-    return Outcome(task.failed_row(failure, " ".join(reason.split()), key), inputs)
+    row = task.failed_row(failure, " ".join(reason.split()), key)
+    return Outcome(row, inputs, settings=task.settings)
 
 
 def finish(task: Task, inputs: Inputs, row: Row, folder: Path) -> Outcome:
@@ -93,7 +94,7 @@ def finish(task: Task, inputs: Inputs, row: Row, folder: Path) -> Outcome:
         if not read.still_of(file):
             raise InputError(f"{file}: was changed while it was read; start again")
     row = replace(row, key=task.key([each.sha256 for each in inputs]))
-    outcome = Outcome(row, inputs, Fingerprint.of(folder / RESULT))
+    outcome = Outcome(row, inputs, Fingerprint.of(folder / RESULT), task.settings)
     (folder / OUTCOME).write_text(outcome_text(outcome) + "\n", encoding="utf-8")
     move_into_place(folder, task.target)
     return outcome

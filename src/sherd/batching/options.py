@@ -14,8 +14,8 @@ from sherd.results.display import differences
 
 __all__ = ["BatchOptions", "job_count"]
 
-# The most that a worker held for animals and people of 10,000 + 5,000 vertices was 0.75 GB; it
-# grows with the template, of which four are kept.
+# A worker held .47 GB at most with a template of 2,000 vertices and parts of 700, and one of the
+# benchmarks holds some .5 GB with 10,000 and 5,000. Three more templates may be kept, .1 GB each.
 LEAST_WORKER_MEMORY = 10**9
 MEMORY_REASON = "libraries alone take about .3 GB"
 

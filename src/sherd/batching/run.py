@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
+from dataclasses import replace
 from pathlib import Path
 from types import TracebackType
 from typing import Generic, Self, TypeVar
@@ -63,9 +64,12 @@ class BatchRun(Generic[Any_Task]):
             outcome = _still_true(task, known.get(task.name))
             if outcome is None:
                 self.left.append(task)
-            else:
-                self._rows[task.name] = outcome.row
-                self._tell(outcome.row)
+                continue
+            if outcome is not known.get(task.name) or outcome.settings != task.settings:
+                # found in its folder, or the same question of another batch
+                self._journal.add(replace(outcome, settings=task.settings))
+            self._rows[task.name] = outcome.row
+            self._tell(outcome.row)
         self._summary = Summary(folder, kind, self._names, self._rows) if tables else None
         self._progress = Progress(len(tasks), self.rows)
 
@@ -114,12 +118,16 @@ class BatchRun(Generic[Any_Task]):
             self._tell(outcome.row)
 
 
-def collected_rows(folder: Path, names: Sequence[str]) -> dict[str, Row]:
-    """What any process has found out about these tasks, by name.
+def collected_rows(folder: Path, names: Sequence[str], settings: str) -> dict[str, Row]:
+    """What any process has found out about these tasks with these settings, by name.
 
     An answer counts only if its folder is there.
     """
-    known = known_outcomes(folder)
+    known = {
+        name: outcome
+        for name, outcome in known_outcomes(folder).items()
+        if outcome.settings == settings
+    }
     rows = {name: known[name].row for name in names if name in known}
     return {
         name: row

@@ -40,8 +40,16 @@ class Task(Protocol):
         ...
 
     @property
+    def settings(self) -> str:
+        """Hash of what all tasks of the batch have in common, so that tables never mix two."""
+        ...
+
+    @property
     def submitter(self) -> int:
-        """Process that asks: another one computes on one thread, as it has neighbors."""
+        """Process that asks an executor of others: another one computes on one thread.
+
+        0 for own workers, which know how many threads they have.
+        """
         ...
 
     def key(self, contents: Sequence[str]) -> str:
@@ -75,8 +83,11 @@ class MatchTask:
         Whether other files in the folder of the part may be replaced.
     home
         Folder that relative paths are meant from: another process may work elsewhere.
+    settings
+        Hash of what all tasks of the batch have in common.
     submitter
-        Process that asks: another one computes on one thread, as it has neighbors.
+        Process that asks an executor of others: another one computes on one thread, as it has
+        neighbors. 0 for own workers, which know how many threads they have.
     """
 
     part: BatchPart
@@ -87,6 +98,7 @@ class MatchTask:
     exports: tuple[str, ...] = ()
     overwrite: bool = False
     home: Path = Path()
+    settings: str = ""
     submitter: int = 0
 
     @property

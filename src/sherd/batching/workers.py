@@ -45,7 +45,7 @@ def workers(
         yield executor, FOREIGN_WINDOW
         return
     count, memory = job_count(jobs, memory)
-    own = IsolatedProcesses(min(count, tasks), memory=memory)
+    own = IsolatedProcesses(max(1, min(count, tasks)), memory=memory)
     try:
         yield own, own.jobs
     except BaseException:

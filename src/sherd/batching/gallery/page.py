@@ -21,8 +21,8 @@ from sherd.output import write_text
 
 __all__ = ["gallery_page", "write_gallery"]
 
-# Up to so many pictures are inside the page, 11 MB; of more, the page names their files.
-MOST_INSIDE = 1500
+# Up to so many pictures are inside the page, 19 MB at the very most; of more, it names their files.
+MOST_INSIDE = 1200
 
 
 def write_gallery(folder: Path, rows: Sequence[BatchRow]) -> None:
@@ -87,6 +87,8 @@ def _picture(folder: Path, row: BatchRow, *, inside: bool) -> str:
     try:
         content = (folder / row.folder / THUMBNAIL).read_bytes()
     except OSError:
+        return ""
+    if not content:
         return ""
     return f"data:image/webp;base64,{base64.b64encode(content).decode('ascii')}"
 

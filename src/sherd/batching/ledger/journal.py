@@ -28,11 +28,24 @@ JOURNALS = "journal"
 
 @dataclass(frozen=True)
 class Outcome:
-    """A row, the files that it is about as they were read, and the ``result.json`` written."""
+    """What became of a task.
+
+    Attributes
+    ----------
+    row
+        For the tables.
+    inputs
+        The files that it is about, as they were read.
+    result
+        The ``result.json`` that was written.
+    settings
+        Hash of what all tasks of the batch have in common.
+    """
 
     row: Row
     inputs: tuple[Fingerprint, ...] = ()
     result: Fingerprint | None = None
+    settings: str = ""
 
 
 class Journal:
@@ -105,7 +118,7 @@ def stored_outcome(text: str) -> Outcome | None:
         values: dict[str, Any] = json.loads(text)
         inputs = tuple(Fingerprint(**each) for each in values["inputs"])
         result = None if values["result"] is None else Fingerprint(**values["result"])
-        return Outcome(row_of(values["row"]), inputs, result)
+        return Outcome(row_of(values["row"]), inputs, result, values["settings"])
     except (ValueError, KeyError, TypeError):
         return None
 

@@ -76,11 +76,14 @@ class Listed:
         Names of the shapes of the pairs; None if it is about parts.
     exports
         Further files.
+    settings
+        Hash of what all have in common: rows of a batch with others do not count.
     """
 
     names: tuple[str, ...]
     shapes: tuple[str, ...] | None
     exports: tuple[str, ...]
+    settings: str
 
 
 def listed(folder: Path) -> Listed:
@@ -99,6 +102,7 @@ def listed(folder: Path) -> Listed:
         tuple(str(name) for name in document["parts"]),
         None if shapes is None else tuple(str(name) for name in shapes),
         tuple(str(name) for name in document.get("exports", ())),
+        str(document.get("settings", "")),
     )
 
 

@@ -23,6 +23,7 @@ from sherd.batching.pairs.task import PairTask
 from sherd.batching.pairs.work import overlapped
 from sherd.batching.parts import BatchPart, PartSource, batch_parts, shared_list
 from sherd.batching.run import BatchRun
+from sherd.batching.task import question_hash
 from sherd.batching.workers import workers
 from sherd.errors import InputError
 from sherd.output import write_bytes, write_text
@@ -108,19 +109,17 @@ def all_pairs(
     if len(listed) < 2:
         raise InputError(f"{listed[0].path}: is one shape, but pairs need two")
     check_batch_folder(target, overwrite=asked.overwrite)
-    tasks = _tasks(listed, options, target, asked)
+    tasks = _tasks(listed, options, target, asked, 0 if executor is None else os.getpid())
     share = asked.share
     names = [part.name for part in listed]
     with lock_of(target, share):
-        facts = {"shapes": names, "options": plain(asdict(options))}
+        facts = {"shapes": names, "options": plain(asdict(options)), "settings": tasks[0].settings}
         write_manifest(target, [task.name for task in tasks], **facts)
         mine = shared_list(tasks, share)
         run = BatchRun(target, PairRow, mine, tell, tables=share is None)
         try:
-            with run:
-                if run.left:
-                    with workers(jobs, executor, asked.memory, len(run.left)) as (pool, window):
-                        run.compute(overlapped, pool, window)
+            with run, workers(jobs, executor, asked.memory, len(run.left)) as (pool, window):
+                run.compute(overlapped, pool, window)
         finally:
             if share is None:
                 write_matrices(target, names, run.rows)
@@ -128,8 +127,13 @@ def all_pairs(
 
 
 def _tasks(
-    shapes: Sequence[BatchPart], options: OverlapOptions, folder: Path, asked: BatchOptions
+    shapes: Sequence[BatchPart],
+    options: OverlapOptions,
+    folder: Path,
+    asked: BatchOptions,
+    submitter: int,
 ) -> list[PairTask]:
+    common = {"pairs": True, "options": asdict(options), "exports": asked.exports}
     tasks = [
         PairTask(
             first,
@@ -139,7 +143,8 @@ def _tasks(
             exports=asked.exports,
             overwrite=asked.overwrite,
             home=Path.cwd(),
-            submitter=os.getpid(),
+            settings=question_hash(common),
+            submitter=submitter,
         )
         for first, second in combinations(shapes, 2)
     ]

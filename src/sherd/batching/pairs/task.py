@@ -32,7 +32,7 @@ class PairTask:
         With their names.
     options
         Of the overlap.
-    folder, exports, overwrite, home, submitter
+    folder, exports, overwrite, home, settings, submitter
         As of a :class:`sherd.batching.task.MatchTask`.
     """
 
@@ -43,6 +43,7 @@ class PairTask:
     exports: tuple[str, ...] = ()
     overwrite: bool = False
     home: Path = Path()
+    settings: str = ""
     submitter: int = 0
 
     @property

@@ -45,7 +45,7 @@ def _overlapped(task: PairTask, read: tuple[Fingerprint, ...]) -> Outcome:
         said = "no more alike than unrelated shapes are, so the full question was not asked"
         key = task.key([each.sha256 for each in read])
         row = replace(row, status=Status.FOREIGN.name.lower(), reason=said, key=key)
-        return Outcome(with_cost(row, start), read)
+        return Outcome(with_cost(row, start), read, settings=task.settings)
     result = overlap(shapes[0], shapes[1], task.options)
     kind = ResultKind(OVERLAP_FORMAT, result.first.name, result.second.name)
     replaceable_files(task.target, kind, overwrite=task.overwrite, own=(OUTCOME,))
