@@ -52,11 +52,12 @@ FLOORS = {
     "assemble": 12,
     "join": 12,
     "report": 13,
-    "benchmark": 14,
-    "cli": 15,
+    "batching": 14,
+    "benchmark": 15,
+    "cli": 16,
     # loads the public names from all floors, and starts the command line
-    "sherd": 16,
-    "__main__": 16,
+    "sherd": 17,
+    "__main__": 17,
 }
 GROUND = 1  # output may raise errors, and both stand on the ground
 LARGEST_FILE = 400

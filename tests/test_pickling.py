@@ -11,6 +11,7 @@ from collections.abc import Callable, Mapping
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, fields, is_dataclass
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -148,9 +149,23 @@ def joined() -> sherd.Joined:
     )
 
 
+def batch_row() -> sherd.BatchRow:
+    return sherd.BatchRow("leg", "leg.ply", status="good", chance=0.9)
+
+
+def pair_row() -> sherd.PairRow:
+    return sherd.PairRow("leg--arm", "leg.ply", "arm.ply", status="foreign", likeness=0.2)
+
+
 MAKERS: dict[str, Callable[[], object]] = {
     "AssembleOptions": lambda: sherd.AssembleOptions(rigid=True),
     "Assembly": assembly,
+    "BatchOptions": lambda: sherd.BatchOptions(shard="1/2"),
+    "BatchPart": lambda: sherd.BatchPart("leg.ply", landmarks=((1, 2),)),
+    "BatchResult": lambda: sherd.BatchResult(Path("out"), (batch_row(),), ("arm",), 1),
+    "BatchRow": batch_row,
+    "PairRow": pair_row,
+    "PairsResult": lambda: sherd.PairsResult(Path("out"), (pair_row(),), (), 1),
     "Joined": joined,
     "Convergence": lambda: sherd.Convergence.STALLED,
     "LocateOptions": lambda: sherd.LocateOptions(method="subspace"),

@@ -19,6 +19,12 @@ from sherd._version import __version__
 
 if TYPE_CHECKING:
     from sherd.assemble import assemble
+    from sherd.batching.batch import BatchResult, batch
+    from sherd.batching.collect import collect_batch
+    from sherd.batching.ledger.rows import BatchRow, PairRow
+    from sherd.batching.options import BatchOptions
+    from sherd.batching.pairs.all_pairs import PairsResult, all_pairs
+    from sherd.batching.parts import BatchPart
     from sherd.energy.convergence import Convergence
     from sherd.errors import (
         InfeasibleError,
@@ -73,6 +79,10 @@ _HOMES = {
     "Assembly": "sherd.results.puzzle.assembly",
     "CandidateAnswer": "sherd.results.many.identification",
     "CarriedLandmarks": "sherd.landmarks.carried",
+    "BatchOptions": "sherd.batching.options",
+    "BatchPart": "sherd.batching.parts",
+    "BatchResult": "sherd.batching.batch",
+    "BatchRow": "sherd.batching.ledger.rows",
     "Convergence": "sherd.energy.convergence",
     "Identification": "sherd.results.many.identification",
     "IdentifyOptions": "sherd.results.many.identify_options",
@@ -92,6 +102,8 @@ _HOMES = {
     "OutputError": "sherd.errors",
     "Overlap": "sherd.results.overlap_result",
     "OverlapOptions": "sherd.results.overlap_options",
+    "PairRow": "sherd.batching.ledger.rows",
+    "PairsResult": "sherd.batching.pairs.all_pairs",
     "Placement": "sherd.results.placement",
     "PointCloud": "sherd.mesh.point_cloud",
     "RepairReport": "sherd.repair.repair",
@@ -100,9 +112,12 @@ _HOMES = {
     "SurfacePoints": "sherd.mesh.surface_points",
     "Template": "sherd.surface.template",
     "TriangleMesh": "sherd.mesh.triangle_mesh",
+    "all_pairs": "sherd.batching.pairs.all_pairs",
     "assemble": "sherd.assemble",
     "carry_landmarks": "sherd.landmarks.carried",
     "identify": "sherd.library.identify",
+    "batch": "sherd.batching.batch",
+    "collect_batch": "sherd.batching.collect",
     "inspect": "sherd.repair.inspection",
     "join": "sherd.join",
     "landmark_table": "sherd.landmarks.landmark_table",
@@ -127,6 +142,10 @@ _HOMES = {
 __all__ = [
     "AssembleOptions",
     "Assembly",
+    "BatchOptions",
+    "BatchPart",
+    "BatchResult",
+    "BatchRow",
     "CandidateAnswer",
     "CarriedLandmarks",
     "Convergence",
@@ -148,6 +167,8 @@ __all__ = [
     "OutputError",
     "Overlap",
     "OverlapOptions",
+    "PairRow",
+    "PairsResult",
     "Placement",
     "PointCloud",
     "RepairReport",
@@ -157,8 +178,11 @@ __all__ = [
     "Template",
     "TriangleMesh",
     "__version__",
+    "all_pairs",
     "assemble",
+    "batch",
     "carry_landmarks",
+    "collect_batch",
     "identify",
     "inspect",
     "join",

@@ -33,6 +33,7 @@ NAMES = frozenset(
     {
         RESULT, "report.html", "region.csv", "region.ply", "region.png", "part.ply", "full.ply",
         "correspondence.csv", "correspondence.corr", "correspondence.map", "correspondence.vts",
+        "correspondence.parquet",
         "match.png", "alternatives.npz", "inverse.csv", "first_region.csv",
         "second_region.csv", "first.ply", "second.ply", "overlap.png", "labels.csv",
         "assembly.png", "pairs.csv", "partners.csv", "candidates.csv",

@@ -4,14 +4,11 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor
-from functools import partial
-from multiprocessing import get_context
 from typing import Protocol, TypeVar
 
+from sherd.batching.processes import process_pool
 from sherd.limits import require_whole
 from sherd.output import Stages
-from sherd.threads import set_thread_count
 
 __all__ = ["Question", "measured_rows"]
 
@@ -78,10 +75,5 @@ def _one_by_one(
     if jobs == 1 or len(questions) < 2:
         yield from map(measure, questions)
         return
-    with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
-        yield from pool.map(partial(_measured_beside_others, measure), questions)
-
-
-def _measured_beside_others(measure: Callable[[Asked], Row], question: Asked) -> Row:
-    set_thread_count(1)
-    return measure(question)
+    with process_pool(jobs) as pool:
+        yield from pool.map(measure, questions)

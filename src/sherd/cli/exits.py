@@ -16,6 +16,7 @@ __all__ = [
     "INVALID_INPUT",
     "NOT_CONVERGED",
     "NOT_WRITTEN",
+    "SOME_FAILED",
     "USAGE",
     "ReportingGroup",
 ]
@@ -24,6 +25,7 @@ USAGE = 2
 INVALID_INPUT = 3
 NOT_CONVERGED = 4
 NOT_WRITTEN = 5
+SOME_FAILED = 6  # of many questions, some have no answer
 INTERNAL = 70  # EX_SOFTWARE of sysexits.h
 INTERRUPTED = 130  # 128 + SIGINT
 

@@ -36,6 +36,11 @@ COMMANDS = {
         "template_command",
         "Prepare full shapes once, as a library.",
     ),
+    "batch": (
+        "sherd.cli.batch.command",
+        "batch_command",
+        "Match many parts; goes on after any interruption.",
+    ),
     "view": ("sherd.cli.viewing", "view_command", "Open a report again, or draw it as PNG."),
     "transfer": (
         "sherd.cli.transferring",
@@ -84,6 +89,7 @@ def main(**_: Any) -> None:
       sherd overlap left.ply right.ply -o out/
       sherd assemble template.ply piece*.ply -o out/
       sherd identify library/ scan.ply -o out/
+      sherd batch template.ply --parts scans/ -o out/
       sherd view out/ --png
       sherd check scan.obj
     """  # noqa: D301

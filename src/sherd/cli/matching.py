@@ -26,7 +26,7 @@ from sherd.limits import require_finite, require_seed
 from sherd.match import STAGES, match
 from sherd.mesh.units import UNITS, Unit
 from sherd.output import Stages
-from sherd.report.exports import MAP_EXPORTS, SHAPE_EXPORTS
+from sherd.report.exports import MAP_EXPORTS, SHAPE_EXPORTS, require_exports
 from sherd.report.stored.folder import MATCH_FORMAT
 from sherd.report.write import write_report
 from sherd.results.match_options import SCALES, MatchOptions, Scale
@@ -88,7 +88,7 @@ FILE = click.Path(path_type=Path)
     type=click.Choice(SHAPE_EXPORTS + MAP_EXPORTS),
     multiple=True,
     help="Further files: ParaView (vtp), web viewers (glb), NumPy, MATLAB, vertex maps from 0 "
-    "(map) or 1 (vts). May be repeated.",
+    "(map) or 1 (vts), correspondence as Parquet. May be repeated.",
 )
 @overwrite_option
 @click.option("--json", "as_json", is_flag=True, help="Print result.json on standard output.")
@@ -128,6 +128,7 @@ def match_command(  # noqa: PLR0913 - one for each word that can be typed
     """  # noqa: D301
     require_finite("min_confidence", min_confidence, 0, 1, "it is a chance")
     require_seed(seed)
+    require_exports(exports)
     check_outputs(output, MATCH_FORMAT, full, part, overwrite=overwrite, template=template)
     prepare_first_run(quiet=quiet)
     stages = Stages(len(STAGES) + 1, visible=False if quiet else None)

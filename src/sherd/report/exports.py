@@ -10,18 +10,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sherd.drawing.colors import full_layer, part_layer
-from sherd.drawing.exhibit import Exhibit, Layer
+from sherd.drawing.exhibit import Exhibit, Layer, Partner
 from sherd.errors import OptionError
+from sherd.files.parquet import parquet_bytes, require_parquet
+from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.npz import arrays_npz
 from sherd.report.files import layer_values, vertex_map_text
 from sherd.report.glb import glb_scene
 from sherd.report.vtp import vtp_text
 
-__all__ = ["MAP_EXPORTS", "SHAPE_EXPORTS", "exported"]
+__all__ = ["MAP_EXPORTS", "SHAPE_EXPORTS", "exported", "require_exports"]
 
 SHAPE_EXPORTS = ("vtp", "glb", "npz", "mat")
 # These say which point is which, so they need a map.
-MAP_EXPORTS = ("map", "vts")
+MAP_EXPORTS = ("map", "vts", "parquet")
 
 # The text that a MAT file begins with names the date otherwise, and equal results should give
 # equal bytes; the format wants 116 characters.
@@ -30,6 +32,21 @@ MAT_TITLE = b"MATLAB 5.0 MAT-file, written by sherd".ljust(116)
 INDICES = ("full_faces", "part_faces", "full_face", "full_vertex")
 
 Arrays = dict[str, NDArray[np.generic]]
+
+
+def require_exports(kinds: Iterable[str]) -> None:
+    """Refuse now what could not be exported later.
+
+    Raises
+    ------
+    OptionError
+        If a kind is unknown, or its library is not installed.
+    """
+    for kind in kinds:
+        if kind not in SHAPE_EXPORTS + MAP_EXPORTS:
+            raise _unknown(kind)
+        if kind == "parquet":
+            require_parquet()
 
 
 def exported(exhibit: Exhibit, kinds: Iterable[str]) -> dict[str, bytes | str]:
@@ -61,11 +78,32 @@ def _files(exhibit: Exhibit, kind: str) -> dict[str, bytes | str]:
         return {"result.npz": arrays_npz(_arrays(exhibit))}
     if kind == "mat":
         return {"result.mat": _mat(_arrays(exhibit))}
-    if kind == "map" and partner is not None:
-        return {"correspondence.map": vertex_map_text(partner, full)}
-    if kind == "vts" and partner is not None:
-        return {"correspondence.vts": vertex_map_text(partner, full, first=1)}
-    raise OptionError(f"export {kind!r} is unknown; choose from {SHAPE_EXPORTS + MAP_EXPORTS}")
+    if kind in MAP_EXPORTS and partner is not None:
+        return {f"correspondence.{kind}": _map(partner, full, kind)}
+    raise _unknown(kind)
+
+
+def _map(partner: Partner, full: TriangleMesh, kind: str) -> bytes | str:
+    if kind == "parquet":
+        return parquet_bytes(_correspondence(partner, full))
+    return vertex_map_text(partner, full, first=0 if kind == "map" else 1)
+
+
+def _unknown(kind: str) -> OptionError:
+    return OptionError(f"export {kind!r} is unknown; choose from {SHAPE_EXPORTS + MAP_EXPORTS}")
+
+
+def _correspondence(partner: Partner, full: TriangleMesh) -> Arrays:
+    """The columns of ``correspondence.csv``, but numbers as they are."""
+    points = partner.points
+    columns: Arrays = {
+        "part_vertex": np.arange(len(points)),
+        "full_face": points.faces,
+        **{f"b{k}": points.barycentric[:, k] for k in range(3)},
+        "full_vertex": points.nearest_vertices(full),
+    }
+    given = {"matched": partner.known, "confidence": partner.confidence}
+    return columns | {name: values for name, values in given.items() if values is not None}
 
 
 def _seen_on_full(exhibit: Exhibit) -> tuple[Layer, ...]:

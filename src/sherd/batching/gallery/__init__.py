@@ -1,0 +1,1 @@
+"""One page with a picture of each part."""

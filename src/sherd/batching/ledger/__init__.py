@@ -1,0 +1,1 @@
+"""What is known of each task, in files that any number of processes may write to."""

@@ -1,0 +1,1 @@
+"""All pairs of a collection: what each two of its shapes share."""

@@ -1,0 +1,135 @@
+"""The full shapes of a batch: described once, kept in files, loaded once by each worker."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+
+from sherd.arrays import Floats
+from sherd.batching.ledger.fingerprint import Fingerprint
+from sherd.errors import InputError, MeshFileError
+from sherd.scan.intake import MeshSource, mesh_intake
+from sherd.surface.template import Template
+
+__all__ = ["FullShape", "full_shapes", "loaded_template", "prepare_templates"]
+
+TEMPLATES = "templates"
+# One template of 10,000 vertices holds 82 MB; a worker that needs more of them loads again, .6 s.
+KEPT_TEMPLATES = 4
+
+
+@dataclass(frozen=True)
+class FullShape:
+    """A full shape, by what it was given as and where its template is kept.
+
+    Attributes
+    ----------
+    name
+        Of its file.
+    source
+        What was given: a path as it was typed, or the name of a mesh.
+    content
+        SHA-256 of its file, or of its arrays.
+    template
+        File of its template.
+    file
+        Its own file, for what the template does not keep: values at its vertices, and what reading
+        it had to say. Of a mesh in memory there is none, and its values are not written.
+    """
+
+    name: str
+    source: str
+    content: str
+    template: Path
+    file: Path | None = None
+
+
+def full_shapes(
+    sources: Sequence[MeshSource | Template], folder: Path, *, template: Path | None = None
+) -> tuple[tuple[FullShape, ...], dict[Path, MeshSource | Template]]:
+    """The full shapes, and what those templates are made of that are not there yet.
+
+    Nothing is computed: a batch that has nothing left to do needs no template.
+
+    Raises
+    ------
+    InputError
+        If there are none, two have one name, or a file cannot be read.
+    """
+    if not sources:
+        raise InputError("no full shape was given; name at least one file")
+    shapes = [_full_shape(source, folder, template) for source in sources]
+    names = [shape.name for shape in shapes]
+    for name in names:
+        if names.count(name) > 1:
+            raise InputError(f"two full shapes are called {name}; rename one of the files")
+    pairs = zip(shapes, sources, strict=True)
+    missing = {shape.template: source for shape, source in pairs if not shape.template.exists()}
+    return tuple(shapes), missing
+
+
+def prepare_templates(missing: dict[Path, MeshSource | Template]) -> None:
+    """Make the template files that are not there yet.
+
+    Raises
+    ------
+    MeshFileError, InvalidMeshError, InputError
+        If a full shape is no mesh.
+    OutputError
+        If a file cannot be written.
+    """
+    for path, source in missing.items():
+        template = source if isinstance(source, Template) else Template(mesh_intake(source))
+        template.save(path)
+
+
+def loaded_template(shape: FullShape) -> Template:
+    """The template of a full shape, read once by each process.
+
+    Raises
+    ------
+    MeshFileError
+        If its file is missing or damaged.
+    """
+    return _loaded(shape)
+
+
+@lru_cache(maxsize=KEPT_TEMPLATES)
+def _loaded(shape: FullShape) -> Template:
+    for path in (shape.template, shape.file):
+        if path is not None and not path.exists():
+            raise MeshFileError(
+                f"{path}: is not there; workers on other machines need the full shapes and the "
+                "folder of the batch on a file system that all of them share"
+            )
+    full = None if shape.file is None else mesh_intake(shape.file)
+    return Template.load(shape.template, full=full)
+
+
+def _full_shape(source: MeshSource | Template, folder: Path, template: Path | None) -> FullShape:
+    file: Path | None
+    if isinstance(source, str | os.PathLike):
+        path = Path(source)
+        try:
+            content = Fingerprint.of(path).sha256
+        except OSError as error:
+            reason = error.strerror or str(error)
+            raise MeshFileError(f"{path}: cannot be read ({reason}); check the path") from error
+        name, typed, file = path.name, os.fspath(source), path.absolute()
+    else:
+        mesh = source.full if isinstance(source, Template) else mesh_intake(source).original
+        content, name = _content(mesh.vertices, mesh.faces), mesh.name
+        typed, file = name, None
+    kept = template or folder / TEMPLATES / f"{Path(name).stem}-{content[:16]}.npz"
+    return FullShape(name, typed, content, kept.absolute(), file)
+
+
+def _content(vertices: Floats, faces: object) -> str:
+    digest = hashlib.sha256()
+    for array in (vertices, faces):
+        digest.update(memoryview(array).cast("B"))  # type: ignore[arg-type]
+    return digest.hexdigest()

@@ -1,0 +1,1 @@
+"""`sherd batch`: its command, and tables of parts."""
