@@ -90,7 +90,8 @@ def length_ratio_of(result: MatchResult) -> float:
     asked = rng.choice(len(known), min(ASKED, len(known)), replace=False)
     unit = result.full.length
     tree = cKDTree(here)
-    first, second = [], []
+    first: list[int] = []
+    second: list[int] = []
     for vertex, near in zip(
         asked.tolist(), tree.query_ball_point(here[asked], LONGEST * unit), strict=True
     ):
