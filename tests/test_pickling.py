@@ -177,7 +177,7 @@ def identification() -> sherd.Identification:
 
 
 def candidate_answer() -> sherd.CandidateAnswer:
-    return sherd.CandidateAnswer("cat.ply", 0.9, 0.3, match=match_result())
+    return sherd.CandidateAnswer("cat.ply", 0.9, 0.3, match=copy.copy(match_result()))
 
 
 def library() -> sherd.Library:
