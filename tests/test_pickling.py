@@ -20,6 +20,7 @@ from PIL import Image
 
 import sherd
 from sherd.energy.mumford_shah import EnergyTerms
+from sherd.library.folder import Shelf
 from sherd.results.locate_result import LocateCheck
 from sherd.results.match_result import MatchCheck
 from sherd.results.overlap_result import SharedMap
@@ -157,6 +158,41 @@ def pair_row() -> sherd.PairRow:
     return sherd.PairRow("leg--arm", "leg.ply", "arm.ply", status="foreign", likeness=0.2)
 
 
+def landmarks() -> sherd.Landmarks:
+    return sherd.Landmarks(["nose", "tail"], [[1, 2, 3], [4, 5, 6.5]], space="LPS")
+
+
+def carried_landmarks() -> sherd.CarriedLandmarks:
+    return sherd.CarriedLandmarks(
+        specimen="scan.ply",
+        templates=("a.ply", "b.ply"),
+        landmarks=landmarks(),
+        confidence=np.array([0.9, 0.8]),
+        status=("good", "doubtful"),
+        spread=np.array([0.1, 0.2]),
+    )
+
+
+def identification() -> sherd.Identification:
+    return sherd.Identification(
+        part=MESH,
+        candidates=(candidate_answer(),),
+        status=sherd.Status.GOOD,
+        advice="good: belongs to cat.ply",
+        options=sherd.IdentifyOptions(matches=3),
+        timings={"evidence": 0.5},
+    )
+
+
+def candidate_answer() -> sherd.CandidateAnswer:
+    return sherd.CandidateAnswer("cat.ply", 0.9, 0.3, match=copy.copy(match_result()))
+
+
+def library() -> sherd.Library:
+    shelf = Shelf("cat.ply", "0" * 64, 10, 1.5, "a.npz", "b.npz", "1" * 64, "2" * 64)
+    return sherd.Library(Path("library"), (shelf,))
+
+
 MAKERS: dict[str, Callable[[], object]] = {
     "AssembleOptions": lambda: sherd.AssembleOptions(rigid=True),
     "Assembly": assembly,
@@ -182,6 +218,12 @@ MAKERS: dict[str, Callable[[], object]] = {
     "SurfacePoints": surface_points,
     "Template": template,
     "TriangleMesh": mesh,
+    "CandidateAnswer": candidate_answer,
+    "CarriedLandmarks": carried_landmarks,
+    "Identification": identification,
+    "IdentifyOptions": lambda: sherd.IdentifyOptions(matches=3),
+    "Landmarks": landmarks,
+    "Library": library,
     "EigenBasis": basis,
     "EnergyTerms": lambda: EnergyTerms(1.0, 2.0, 3.0),
     "MatchCheck": lambda: MatchCheck(1.0, 0.0, 1.0, passed=True),

@@ -85,11 +85,5 @@ def main(**_: Any) -> None:
     Examples:
       sherd demo
       sherd match template.ply scan.ply -o out/
-      sherd locate template.ply scan.ply -o out/
-      sherd overlap left.ply right.ply -o out/
-      sherd assemble template.ply piece*.ply -o out/
-      sherd identify library/ scan.ply -o out/
       sherd batch template.ply --parts scans/ -o out/
-      sherd view out/ --png
-      sherd check scan.obj
     """  # noqa: D301

@@ -11,7 +11,6 @@ from dataclasses import replace
 from typing import Unpack
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from sherd.errors import InfeasibleError, OptionError
 from sherd.match import match
@@ -28,8 +27,8 @@ __all__ = ["length_ratio_of", "match_with_fitted_scale"]
 # In sqrt(area) of the full shape: straight lines that are longer are bent by the pose, and shorter
 # ones say how smooth the map is. Of a skull, 3 to 8 mm.
 SHORTEST, LONGEST = 0.08, 0.2
-# So many points ask their neighbors: their median moves by less than a thousandth with others.
-ASKED = 1000
+# Of so many pairs of vertices one in ten to twenty has such a length: enough for a median.
+PAIRS = 200_000
 # Lengths that agree up to this stay: the labeling allows for a tenth, and a pose takes as much.
 LITTLE = 0.02
 # Parts of another size than this many times that of the full shape's kind are not of another
@@ -85,18 +84,12 @@ def length_ratio_of(result: MatchResult) -> float:
     scale of the result; 1 if there are none.
     """
     known = np.flatnonzero(result.matched)
+    if not len(known):
+        return 1.0
     here, there = result.part.vertices[known] * result.scale, result.positions[known]
-    rng = np.random.default_rng(0)
-    asked = rng.choice(len(known), min(ASKED, len(known)), replace=False)
-    unit = result.full.length
-    tree = cKDTree(here)
-    first, second = [], []
-    for vertex in asked.tolist():
-        near = tree.query_ball_point(here[vertex], LONGEST * unit)
-        drawn = rng.choice(near, min(20, len(near)), replace=False)
-        first += [vertex] * len(drawn)
-        second += drawn.tolist()
+    first, second = np.random.default_rng(0).integers(len(known), size=(2, PAIRS))
     before = np.linalg.norm(here[first] - here[second], axis=1)
     after = np.linalg.norm(there[first] - there[second], axis=1)
-    use = (before > SHORTEST * unit) & (after > 0)
+    unit = result.full.length
+    use = (before > SHORTEST * unit) & (before < LONGEST * unit) & (after > 0)
     return float(np.median(after[use] / before[use])) if use.any() else 1.0

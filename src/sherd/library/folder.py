@@ -27,7 +27,7 @@ from sherd.surface.coarse import coarse_arrays, coarse_from_arrays, coarse_surfa
 from sherd.surface.described import DescribedSurface
 from sherd.surface.template import Template
 
-__all__ = ["INDEX", "LIBRARY_FORMAT", "Library", "Shelf", "is_library"]
+__all__ = ["INDEX", "LIBRARY_FORMAT", "Library", "Shelf", "mesh_hash"]
 
 INDEX = "index.json"
 # Raise the number when a field or a stored array changes its meaning.
@@ -233,11 +233,6 @@ class Library:
                 return coarse_from_arrays(dict(stored), shelf.name)
         except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile, zlib.error) as error:
             raise MeshFileError(f"{path}: cannot be read ({error}); {REMEDY}") from error
-
-
-def is_library(path: str | os.PathLike[str]) -> bool:
-    """Whether a path is a folder, which only a library can be where a full shape is named."""
-    return Path(path).is_dir()
 
 
 def mesh_hash(mesh: TriangleMesh) -> str:

@@ -21,9 +21,8 @@ from sherd.surface.working import WorkingSurface
 
 __all__ = ["coarse_arrays", "coarse_from_arrays", "coarse_surface"]
 
-# They lie 0.04 apart. With 1,200, and with all vertices compared instead of the labels, the order
-# of eleven full shapes was the same for the first place of 19 parts in 19, at twice and at eight
-# times the cost.
+# They lie 0.04 apart. With 1,200, and with the vertices around each label compared as well, the
+# first of eleven full shapes was the same for all of 19 parts; 1,200 take 2.8 times as long.
 LABEL_COUNT = 600
 # Arrays of a coarse surface and how many axes each has.
 AXES = {"vertices": 2, "faces": 2, "between": 2, "directions": 2, "axes": 3, "spectra": 3}

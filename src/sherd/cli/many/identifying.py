@@ -13,8 +13,7 @@ from sherd.cli.first_run import prepare_first_run
 from sherd.cli.inputs import ScaleType, command_line, show_notices
 from sherd.cli.options import overwrite_option, quiet_option
 from sherd.errors import InfeasibleError, OutputError
-from sherd.library.candidate import Candidate
-from sherd.library.folder import is_library
+from sherd.library.folder import Library
 from sherd.library.identify import STAGES, candidates, identify_among
 from sherd.mesh.units import UNITS, Unit
 from sherd.output import Stages
@@ -101,12 +100,14 @@ def identify_command(  # noqa: PLR0913 - one for each word that can be typed
         full_unit=full_unit,
         matches=matches,
     )
+    library = _library(fulls)
+    names = [p.name for p in fulls] if library is None else [s.name for s in library.shelves]
+    _require_free(output, names, part, overwrite=overwrite)
     prepare_first_run(quiet=quiet)
     stages = Stages(len(STAGES) + 1, visible=False if quiet else None)
     scan = scan_intake(part)
     with stages("full shapes"):
-        known = _candidates(fulls)
-    _require_free(output, known, part, overwrite=overwrite)
+        known = candidates(fulls if library is None else library)
     result = identify_among(known, scan, options, stages)
     first = result.candidates[0].match
     if first is None:
@@ -135,26 +136,25 @@ def identification_summary(result: Identification, output: Path) -> str:
     return "\n".join(lines)
 
 
-def _candidates(fulls: Sequence[Path]) -> tuple[Candidate, ...]:
-    folders = [path for path in fulls if is_library(path)]
+def _library(fulls: Sequence[Path]) -> Library | None:
+    """The library that is named; None if full shapes are."""
+    folders = [path for path in fulls if path.is_dir()]
     if folders and len(fulls) > 1:
         raise click.UsageError(f"{folders[0]}: a library is named alone, before PART")
-    return candidates(folders[0] if folders else list(fulls))
+    return Library.open(folders[0]) if folders else None
 
 
-def _require_free(folder: Path, known: Sequence[Candidate], part: Path, *, overwrite: bool) -> None:
+def _require_free(folder: Path, names: Sequence[str], part: Path, *, overwrite: bool) -> None:
     """Refuse a folder that holds neither nothing nor an older answer about the same part."""
     if part.name in NAMES and part.resolve().parent == folder.resolve():
         raise OutputError(f"{part}: would be replaced by the result; choose another folder")
-    refusal: OutputError | None = None
-    for each in known:
+    refusals = []
+    for name in names:
         try:
             replaceable_files(
-                folder, ResultKind(MATCH_FORMAT, each.name, part.name), overwrite=overwrite
+                folder, ResultKind(MATCH_FORMAT, name, part.name), overwrite=overwrite
             )
         except OutputError as error:
-            refusal = refusal or error
-        else:
-            return
-    if refusal is not None:
-        raise refusal
+            refusals.append(error)
+    if refusals and len(refusals) == len(names):
+        raise refusals[0]
