@@ -199,5 +199,5 @@ def test_help_loads_nothing_slow_and_is_on_one_screen(run) -> None:
     assert {"click", "sherd"} <= loaded
     assert not loaded & {"numpy", "numba", "scipy", "trimesh", "PIL"}
     assert len(done.stdout.splitlines()) <= 30
-    assert "sherd locate template.ply scan.ply -o out/" in done.stdout
+    assert "sherd match template.ply scan.ply -o out/" in done.stdout
     assert run("--version").stdout.strip().startswith("sherd, version")
