@@ -13,6 +13,7 @@ from click.testing import CliRunner, Result
 from PIL import Image
 
 from sherd.batching.batch import BatchResult, batch
+from sherd.batching.choice import Chosen
 from sherd.cli.main import main
 from sherd.files.mesh_files import write_mesh
 from sherd.report.match_report import match_report
@@ -69,7 +70,7 @@ def stand(tmp_path, exhibit, match_result_of, written, monkeypatch) -> Stand:
     def best_match(fulls, part, options):
         made.asked.append(part.original.name)
         made.before(part.original.name)
-        return fulls[0], result
+        return Chosen(fulls[0], result)
 
     def prepare(missing) -> None:
         for path in missing:

@@ -1,48 +1,84 @@
-"""Which of several full shapes a part belongs to: all are asked, and the best answer is taken."""
+"""Which of several full shapes a part of a batch belongs to, by identification."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache, partial
 
 from sherd.batching.templates import FullShape, loaded_template
-from sherd.errors import InfeasibleError
+from sherd.errors import InfeasibleError, OptionError
+from sherd.library.candidate import Candidate
+from sherd.library.identify import identify_among
 from sherd.match import match
+from sherd.output import Stages
+from sherd.results.many.identify_options import IdentifyOptions
 from sherd.results.match_options import MatchOptions
 from sherd.results.match_result import MatchResult
 from sherd.results.status import Status
 from sherd.scan.intake import Intake
+from sherd.surface.coarse import coarse_surface
 
-__all__ = ["best_match"]
+__all__ = ["Chosen", "best_match"]
 
-RANKS = {Status.FOREIGN: 0, Status.DOUBTFUL: 1, Status.GOOD: 2}
+# What evidence needs of a full shape has 4 MB, a twentieth of its template.
+KEPT_CANDIDATES = 64
 
 
-def best_match(
-    fulls: Sequence[FullShape], part: Intake, options: MatchOptions
-) -> tuple[FullShape, MatchResult]:
-    """The full shape that the part fits best, and the match with it.
+@dataclass(frozen=True, eq=False)
+class Chosen:
+    """The full shape that a part fits best, and the match with it.
 
-    The status decides, then the chance, then the score. A full shape that the part is too large or
-    too small for is passed over.
+    Attributes
+    ----------
+    full, match
+        As said.
+    doubt
+        Why another full shape may be the right one although the match is good; empty if it is not.
+    """
+
+    full: FullShape
+    match: MatchResult
+    doubt: str = ""
+
+
+def best_match(fulls: Sequence[FullShape], part: Intake, options: MatchOptions) -> Chosen:
+    """The part matched with the full shape that it belongs to; see :func:`sherd.identify`.
 
     Raises
     ------
     InfeasibleError
         If the part fits none by its size.
     OptionError
-        If a landmark or ignored vertex does not exist.
+        If a landmark or ignored vertex does not exist, or landmarks are given for several shapes.
     """
-    found: list[tuple[FullShape, MatchResult]] = []
-    refused: list[InfeasibleError] = []
-    for full in fulls:
-        try:
-            found.append((full, match(loaded_template(full), part, options)))
-        except InfeasibleError as error:
-            refused.append(error)
-    if not found:
-        raise refused[0]
-    return max(found, key=lambda pair: _merit(pair[1]))
+    if len(fulls) == 1:
+        return Chosen(fulls[0], match(loaded_template(fulls[0]), part, options))
+    if len(options.landmarks):
+        raise OptionError(
+            "landmarks name vertices of one full shape; say which one the part belongs to (column "
+            "full of the list), or leave them out"
+        )
+    asked = IdentifyOptions(
+        scale=options.scale,
+        ignore=options.ignore,
+        side=options.side,
+        seed=options.seed,
+        part_unit=options.part_unit,
+        full_unit=options.full_unit,
+    )
+    known = [_candidate(full) for full in fulls]
+    found = identify_among(known, part, asked, Stages(visible=False))
+    first = found.candidates[0]
+    if first.match is None:
+        raise InfeasibleError(found.advice)
+    unsure = found.status is Status.DOUBTFUL and first.match.status is Status.GOOD
+    full = next(full for full in fulls if full.name == first.name)
+    return Chosen(full, first.match, found.advice if unsure else "")
 
 
-def _merit(result: MatchResult) -> tuple[int, float, float]:
-    return RANKS[result.status], result.chance or 0.0, result.best.score or 0.0
+@lru_cache(maxsize=KEPT_CANDIDATES)
+def _candidate(full: FullShape) -> Candidate:
+    template = loaded_template(full)
+    coarse = coarse_surface(template)
+    return Candidate(full.name, template.length**2, coarse, partial(loaded_template, full))

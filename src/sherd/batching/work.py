@@ -6,7 +6,7 @@ import os
 import time
 from typing import Any
 
-from sherd.batching.choice import best_match
+from sherd.batching.choice import Chosen, best_match
 from sherd.batching.gallery.thumbnail import thumbnail
 from sherd.batching.guarded import finish, guarded, with_cost
 from sherd.batching.ledger.fingerprint import Fingerprint
@@ -14,11 +14,11 @@ from sherd.batching.ledger.journal import Outcome
 from sherd.batching.ledger.place import OUTCOME, PARTS, THUMBNAIL, staged
 from sherd.batching.ledger.rows import BatchRow
 from sherd.batching.task import MatchTask
-from sherd.batching.templates import FullShape
 from sherd.report.stored.folder import MATCH_FORMAT
 from sherd.report.write import write_report
 from sherd.result_folder import ResultKind, replaceable_files
 from sherd.results.match_result import MatchResult
+from sherd.results.status import Status
 from sherd.scan.intake import scan_intake
 
 __all__ = ["matched"]
@@ -32,27 +32,28 @@ def matched(task: MatchTask) -> Outcome:
 def _matched(task: MatchTask, read: tuple[Fingerprint, ...]) -> Outcome:
     start = time.perf_counter()
     scan = scan_intake(task.files[0])
-    full, result = best_match(task.fulls, scan, task.options)
+    chosen = best_match(task.fulls, scan, task.options)
+    full, result = chosen.full, chosen.match
     result = result.with_min_confidence(task.min_confidence)
     kind = ResultKind(MATCH_FORMAT, result.full.name, result.part.name)
     replaceable_files(task.target, kind, overwrite=task.overwrite, own=(OUTCOME, THUMBNAIL))
     with staged(task.target) as folder:
         document = write_report(result, folder, command=task.command(full), exports=task.exports)
         (folder / THUMBNAIL).write_bytes(thumbnail(folder / "match.png"))
-        row = with_cost(_row(task, full, result, document), start)
+        row = with_cost(_row(task, chosen, result, document), start)
         return finish(task, read, row, folder)
 
 
 def _row(
-    task: MatchTask, full: FullShape, result: MatchResult, document: dict[str, Any]
+    task: MatchTask, chosen: Chosen, result: MatchResult, document: dict[str, Any]
 ) -> BatchRow:
     sure = result.confidence[result.matched]
     return BatchRow(
         name=task.name,
         part=os.fspath(task.part.path),
-        full=full.name,
-        status=document["status"],
-        reason=document["advice"],
+        full=chosen.full.name,
+        status=Status.DOUBTFUL.name.lower() if chosen.doubt else document["status"],
+        reason=chosen.doubt or document["advice"],
         chance=document["chance"],
         error_estimate=1.0 - float(sure.mean()) if len(sure) else None,
         area_fraction=document["area_fraction"],
