@@ -78,8 +78,10 @@ def dask_setup(_worker: object) -> None:
     take_place()
 
 
-if __name__ == "__main__":
+if __name__ in {"__main__", "__mp_main__"}:  # the program, and its worker processes
     take_place()
+
+if __name__ == "__main__":
     home = Path(sys.argv[1])
     sherd.batching.batch.batch(
         home / "whole.ply", home / "scans", home / "out", jobs=int(sys.argv[2])

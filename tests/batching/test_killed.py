@@ -49,7 +49,8 @@ def contents(out: Path) -> dict[str, bytes]:
 def serial(home: Path, out: Path) -> dict[str, bytes]:
     """What one process makes of the same parts."""
     program = (
-        f"import sys; sys.path.insert(0, {str(STAND_IN.parent)!r}); import stand_in; stand_in.take_place()\n"
+        f"import sys; sys.path.insert(0, {str(STAND_IN.parent)!r})\n"
+        "import stand_in; stand_in.take_place()\n"
         "from concurrent.futures import ThreadPoolExecutor\n"
         "from pathlib import Path\n"
         "import sherd\n"
