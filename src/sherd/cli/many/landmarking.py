@@ -63,7 +63,7 @@ def landmarks_command(
     \b
     Examples:
       sherd landmarks matches/* --landmarks template.mrk.json -o all.csv
-      sherd landmarks a/* b/* --landmarks a.ply=a.fcsv --landmarks b.ply=b.fcsv -o x.csv
+      sherd landmarks */ --landmarks a.ply=a.fcsv --landmarks b.ply=b.fcsv -o x
     """  # noqa: D301
     require_writable(output)
     lists = _landmarks_by_template(named)
