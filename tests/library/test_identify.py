@@ -114,12 +114,13 @@ def test_none_is_possible_by_size(shapes, part, tmp_path) -> None:
 def test_two_that_fit_are_both_named(found) -> None:
     first = found.candidates[0]
     twin = CandidateAnswer("twin.ply", first.evidence, first.ratio, match=first.match)
-    unasked = CandidateAnswer("third.ply", 0.9, 0.4)
+    unasked = CandidateAnswer("third.ply", 0.9, first.ratio + 0.05)
+    behind = CandidateAnswer("behind.ply", 0.8, first.ratio + 0.2)
     options = IdentifyOptions()
     both = identification_of(found.part, [first, twin, unasked], options, {})
     assert both.status is Status.DOUBTFUL
     assert "fits animal.ply and twin.ply about equally well" in both.advice
-    also = identification_of(found.part, [unasked, first], options, {})
+    also = identification_of(found.part, [behind, unasked, first], options, {})
     assert also.advice == "good: belongs to animal.ply; it also fits third.ply"
     assert [each.name for each in also.also] == ["third.ply"]
 

@@ -14,12 +14,17 @@ from sherd.results.many.identify_options import IdentifyOptions
 from sherd.results.match_result import MatchResult
 from sherd.results.status import Status
 
-__all__ = ["CandidateAnswer", "Identification", "identification_of"]
+__all__ = ["CLOSE_RATIO", "CandidateAnswer", "Identification", "identification_of"]
 
 # Scores that differ by less may come out in the other order on another meshing of the part.
 EQUAL_SCORE = 0.02
-# By evidence alone a shape that is as likely as this fits as well.
-FITS = 0.5
+# A second shape whose ratio is larger by more is not matched if the first is good. Of 35 parts
+# among eleven shapes 34 had their own first, and one, of a cat, another cat, better by 0.04.
+CLOSE_RATIO = 0.08
+# A shape that was not matched fits as well if its ratio is hardly larger, and is likely as such. In
+# these 35 cases shapes of other kinds were behind by 0.15 and more, half of those of the same kind
+# (cats, people) by less.
+KIND_RATIO, FITS = 0.13, 0.5
 NAMED = 4
 ORDER = {Status.GOOD: 0, Status.DOUBTFUL: 1, Status.FOREIGN: 2}
 
@@ -66,13 +71,6 @@ class CandidateAnswer(FrozenState):
             return "not matched"
         chance = "" if self.match.chance is None else f", chance {self.match.chance:.2f}"
         return f"{self.match.status.name.lower()}{chance}, score {self.match.best.score:.3f}"
-
-    @property
-    def fits(self) -> bool:
-        """Whether the part may well be of this shape: by its match or, not matched, by evidence."""
-        if self.match is None:
-            return not self.refused and self.evidence >= FITS
-        return self.match.status is Status.GOOD
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -138,7 +136,7 @@ class Identification(FrozenState):
     @property
     def also(self) -> tuple[CandidateAnswer, ...]:
         """Other full shapes that the part fits as well, such as individuals of one kind."""
-        return tuple(each for each in self.candidates[1:] if each.fits)
+        return _also(self.candidates)
 
 
 def identification_of(
@@ -163,7 +161,7 @@ def _verdict(ranked: Sequence[CandidateAnswer]) -> tuple[Status, str]:
     first = ranked[0]
     if first.match is None or first.match.status is Status.FOREIGN:
         return Status.FOREIGN, _said_of_none(ranked)
-    others = [each for each in ranked[1:] if each.fits]
+    others = _also(ranked)
     also = f"; it also fits {_names(others)}" if others else ""
     if first.match.status is Status.DOUBTFUL:
         words = f"doubtful: likeliest {first.name}, but there it is {first.match.advice}"
@@ -179,6 +177,17 @@ def _verdict(ranked: Sequence[CandidateAnswer]) -> tuple[Status, str]:
             "with a larger part"
         )
     return Status.GOOD, f"good: belongs to {first.name}{also}"
+
+
+def _also(ranked: Sequence[CandidateAnswer]) -> tuple[CandidateAnswer, ...]:
+    """Shapes after the first that fit: good matches and, not matched, those hardly behind it."""
+    most = ranked[0].ratio + KIND_RATIO
+    return tuple(
+        each
+        for each in ranked[1:]
+        if (each.evidence >= FITS and each.ratio <= most and not each.refused)
+        if each.match is None or each.match.status is Status.GOOD
+    )
 
 
 def _said_of_none(ranked: Sequence[CandidateAnswer]) -> str:
