@@ -103,3 +103,27 @@ def test_a_missing_extra_names_itself(command, stand, monkeypatch) -> None:
     done = command(*WORDS, "--format", "parquet")
     assert 'python -m pip install "sherd[parquet]"' in done.stderr
     assert not stand.out.exists()
+
+
+def test_landmarks_of_the_full_shape_are_carried_to_all_parts(
+    command, stand, exhibit, match_result_of, monkeypatch
+) -> None:
+    result = match_result_of(exhibit)
+    monkeypatch.setattr("sherd.batching.specimens.read_match", lambda folder: result)
+    x, y, z = result.full.vertices[0]
+    (stand.folder / "tips.csv").write_text(f"name,x,y,z\ntip,{x},{y},{z}\n")
+    (stand.folder / "scans" / "broken.ply").unlink()
+    assert command(*WORDS, "--landmarks", "tips.csv", "-q").exit_code == 0
+    with (stand.out / "landmarks.csv").open(newline="") as stream:
+        rows = list(csv.DictReader(stream))
+    assert [(row["specimen"], row["landmark"]) for row in rows] == [
+        ("a", "tip"),
+        ("b", "tip"),
+        ("c", "tip"),
+    ]
+    done = command(*WORDS, "--landmarks", "other.ply=tips.csv")
+    assert done.exit_code == USAGE
+    assert "none are given for whole.ply" in done.stderr
+    done = command(*WORDS, "--landmarks", "tips.csv", "--shard", "1/2")
+    assert done.exit_code == USAGE
+    assert "when all are there" in done.stderr

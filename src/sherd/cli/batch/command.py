@@ -19,12 +19,17 @@ from sherd.batching.options import BatchOptions
 from sherd.batching.pairs.all_pairs import PairsResult
 from sherd.batching.pairs.all_pairs import all_pairs as pairs_of
 from sherd.batching.parts import PartSource
+from sherd.batching.specimens import ANY_TEMPLATE, carried_to_parts
 from sherd.cli.batch.part_table import parts_of_table
 from sherd.cli.exits import NOT_CONVERGED, SOME_FAILED
 from sherd.cli.first_run import prepare_first_run
 from sherd.cli.inputs import ScaleType
+from sherd.cli.many.landmarking import landmarks_by_template, mesh_space_option
 from sherd.cli.options import overwrite_option, quiet_option, template_option
+from sherd.landmarks.landmark_list import Space
+from sherd.landmarks.landmark_table import landmark_table
 from sherd.mesh.units import UNITS, Unit
+from sherd.output import write_text
 from sherd.report.exports import MAP_EXPORTS, SHAPE_EXPORTS
 from sherd.results.match_options import SCALES, MatchOptions, Scale
 from sherd.results.overlap_options import OverlapOptions
@@ -33,6 +38,7 @@ from sherd.scan.either_side import SIDES, Side
 __all__ = ["batch_command"]
 
 FILE = click.Path(path_type=Path)
+LANDMARKS = "landmarks.csv"
 
 
 @click.command("batch")
@@ -73,6 +79,14 @@ FILE = click.Path(path_type=Path)
     show_default=True,
     help="Below it a vertex counts as unmatched; 0 to 1.",
 )
+@click.option(
+    "--landmarks",
+    "named",
+    metavar="[FULL=]FILE",
+    multiple=True,
+    help="Landmarks of FULL (.mrk.json, .fcsv, .csv): on all parts in landmarks.csv.",
+)
+@mesh_space_option
 @click.option("--seed", type=int, default=0, show_default=True)
 @click.option(
     "--export",
@@ -109,6 +123,8 @@ def batch_command(  # noqa: PLR0913 - one for each word that can be typed
     template: Path | None,
     side: Side,
     min_confidence: float,
+    named: tuple[str, ...],
+    mesh_space: Space | None,
     seed: int,
     exports: tuple[str, ...],
     file_format: str,
@@ -134,6 +150,7 @@ def batch_command(  # noqa: PLR0913 - one for each word that can be typed
       sherd batch cat.ply dog.ply --parts "scans/*.ply" -o out/ --jobs 4
       sherd batch template.ply --parts scans/ -o out/ --shard 1/10
       sherd batch --collect out/
+      sherd batch skull.ply --parts scans/ --landmarks skull.mrk.json -o out/
       sherd batch template.ply --parts scans/ -o out/ --dask tcp://10.0.0.1:8786
       sherd batch --all-pairs fragments/ -o pairs/
     """  # noqa: D301
@@ -152,6 +169,15 @@ def batch_command(  # noqa: PLR0913 - one for each word that can be typed
         raise click.UsageError("--all-pairs has no full shape: leave out what is about one")
     if template is not None and len(fulls) > 1:
         raise click.UsageError("--template is of one full shape; of several, -o keeps them")
+    lists = landmarks_by_template(named)
+    if lists and (pairs or shard):
+        raise click.UsageError(
+            "--landmarks is for a whole batch with a full shape; of shards, use sherd landmarks "
+            "when all are there"
+        )
+    without = {full.name for full in fulls} - set(lists)
+    if lists and ANY_TEMPLATE not in lists and without:
+        raise click.UsageError(f"--landmarks: none are given for {', '.join(sorted(without))}")
     if dask is not None and jobs is not None:
         raise click.UsageError("--jobs are processes here; a Dask cluster brings its own")
     asked = BatchOptions(
@@ -173,6 +199,9 @@ def batch_command(  # noqa: PLR0913 - one for each word that can be typed
     prepare_first_run(quiet=quiet)
     with nullcontext() if dask is None else dask_executor(dask) as executor:
         result = ask(batch_options=asked, jobs=jobs, executor=executor, tell=tell)
+    if lists and isinstance(result, BatchResult):
+        carried = carried_to_parts(result, lists, mesh_space=mesh_space)
+        write_text(result.folder / LANDMARKS, landmark_table(carried))
     return _finish(result, quiet=quiet or as_json)
 
 

@@ -7,20 +7,23 @@ from pathlib import Path
 
 import click
 
+from sherd.batching.specimens import ANY_TEMPLATE, carried_to_specimens
 from sherd.cli.exits import NOT_CONVERGED
 from sherd.cli.options import quiet_option
-from sherd.errors import InputError
 from sherd.landmarks.attached import attached
 from sherd.landmarks.carried import CarriedLandmarks, carry_landmarks, landmarks_of_part
 from sherd.landmarks.landmark_files import landmark_text, read_landmarks
 from sherd.landmarks.landmark_list import SPACES, Landmarks, Space
 from sherd.landmarks.landmark_table import landmark_table
-from sherd.landmarks.several import median_landmarks
 from sherd.output import require_writable, write_text
-from sherd.report.stored.stored_match import read_match
 from sherd.results.match_result import MatchResult
 
-__all__ = ["landmarks_command", "mesh_space_option", "transferred_landmarks"]
+__all__ = [
+    "landmarks_by_template",
+    "landmarks_command",
+    "mesh_space_option",
+    "transferred_landmarks",
+]
 
 FILE = click.Path(path_type=Path)
 
@@ -66,20 +69,8 @@ def landmarks_command(
       sherd landmarks */ --landmarks a.ply=a.csv --landmarks b.ply=b.csv -o x.csv
     """  # noqa: D301
     require_writable(output)
-    lists = _landmarks_by_template(named)
-    found: dict[str, list[CarriedLandmarks]] = {}
-    seen: dict[tuple[str, str], Path] = {}
-    for folder in folders:
-        result = read_match(folder)
-        key = (result.full.name, result.part.name)
-        if key in seen:
-            raise InputError(
-                f"{folder}: is of {key[1]} on {key[0]}, and so is {seen[key]}; name one of them"
-            )
-        seen[key] = folder
-        carried = carry_landmarks(result, _of(lists, result, folder), mesh_space=mesh_space)
-        found.setdefault(result.part.name, []).append(carried)
-    answers = [each[0] if len(each) == 1 else median_landmarks(each) for each in found.values()]
+    lists = landmarks_by_template(named)
+    answers = carried_to_specimens(folders, lists, mesh_space=mesh_space)
     write_text(output, landmark_table(answers))
     if not quiet:
         for each in answers:
@@ -103,30 +94,20 @@ def transferred_landmarks(
     return landmark_text(landmarks_of_part(stored, on_part), output)
 
 
-def _landmarks_by_template(named: Sequence[str]) -> dict[str, Landmarks]:
-    """Landmarks by the name of the template, "" for one of any name."""
+def landmarks_by_template(named: Sequence[str]) -> dict[str, Landmarks]:
+    """Landmarks by the name of the template, or of any one; each is FILE or FULL=FILE."""
     lists: dict[str, Landmarks] = {}
     for text in named:
         name, equals, path = text.partition("=")
-        key, file = (name, path) if equals else ("", text)
+        key, file = (name, path) if equals else (ANY_TEMPLATE, text)
         if key in lists:
             raise click.UsageError(
                 f"--landmarks {text}: name each template once (--landmarks FULL=FILE)"
             )
         lists[key] = read_landmarks(file)
-    if "" in lists and len(lists) > 1:
+    if ANY_TEMPLATE in lists and len(lists) > 1:
         raise click.UsageError("of several templates, name each: --landmarks FULL=FILE")
     return lists
-
-
-def _of(lists: dict[str, Landmarks], result: MatchResult, folder: Path) -> Landmarks:
-    found = lists.get(result.full.name, lists.get(""))
-    if found is None:
-        raise InputError(
-            f"{folder}: is of the template {result.full.name}, but landmarks are given for "
-            f"{', '.join(lists)}"
-        )
-    return found
 
 
 def _summary(carried: CarriedLandmarks) -> str:
