@@ -80,6 +80,7 @@ class IsolatedProcesses(Executor):
         self._threads = None if jobs == 1 else 1
         self._free: list[ProcessPoolExecutor | None] = [None] * jobs
         self._busy: dict[Future[Any], ProcessPoolExecutor] = {}
+        self._pools: list[ProcessPoolExecutor] = []  # all, whatever was interrupted meanwhile
         self._change = threading.Condition()
         self._ever_started = False
         self._closed = False
@@ -116,12 +117,13 @@ class IsolatedProcesses(Executor):
         """End all workers; with `cancel_futures` also those that compute."""
         with self._change:
             self._closed = True
-            pools = [pool for pool in (*self._free, *self._busy.values()) if pool is not None]
+            pools = list(self._pools)
         if not cancel_futures:
             for pool in pools:
                 pool.shutdown(wait=wait)
             return
         workers = [worker for pool in pools for worker in (pool._processes or {}).values()]
+        managers: list[Any] = [pool._executor_manager_thread for pool in pools]
         for pool in pools:
             pool.shutdown(wait=False, cancel_futures=True)
         for worker in workers:
@@ -129,9 +131,13 @@ class IsolatedProcesses(Executor):
                 worker.kill()
         for worker in workers if wait else ():
             worker.join(SECONDS_TO_END)
+        for manager in managers if wait else ():
+            if manager is not None:
+                manager.join(SECONDS_TO_END)  # it gives back what the pool had of the system
 
     def _new_pool(self) -> ProcessPoolExecutor:
         pool = process_pool(1, threads=self._threads, memory=self._memory)
+        self._pools.append(pool)
         if not self._ever_started:
             try:
                 pool.submit(os.getpid).result()
@@ -150,6 +156,8 @@ class IsolatedProcesses(Executor):
         broken = not future.cancelled() and isinstance(future.exception(), BrokenProcessPool)
         with self._change:
             pool = self._busy.pop(future)
+            if broken:
+                self._pools.remove(pool)
             self._free.append(None if broken else pool)
             self._change.notify()
 
