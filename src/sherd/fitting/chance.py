@@ -1,0 +1,52 @@
+"""Chances: how surely a vertex of a fit is near where it truly is, without the truth."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy import sparse
+from scipy.sparse import csgraph
+
+from sherd.arrays import Bools, Floats
+from sherd.mesh.triangle_mesh import TriangleMesh
+
+__all__ = ["chances", "distances_beyond"]
+
+# The median error, in sqrt(area of the full shape), of what was seen where the map is surest and
+# where it is least sure, and how it grows along the surface beyond the cut.
+SURE_ERROR, UNSURE_ERROR = 0.004, 0.04
+GROWTH = 0.35
+# Chance that an error is below r for a median m: 1 - 2^-(r / m)^SHAPE, a Weibull distribution.
+SHAPE = 1.2
+
+
+def distances_beyond(shape: TriangleMesh, seen: Bools) -> Floats:
+    """Length (n,) of the shortest path of edges from what was seen; inf on other components."""
+    if not seen.any():
+        return np.full(shape.vertex_count, np.inf)
+    first, second = shape.edges.T
+    lengths = np.linalg.norm(shape.vertices[first] - shape.vertices[second], axis=1)
+    graph = sparse.csr_array(
+        (np.maximum(lengths, 1e-12), (first, second)), shape=(shape.vertex_count,) * 2
+    )
+    found: Floats = csgraph.dijkstra(
+        graph, directed=False, indices=np.flatnonzero(seen), min_only=True
+    )
+    return found
+
+
+def chances(beyond: Floats, confidence: Floats, *, near: float) -> Floats:
+    """Chance (n,) that a vertex is within `near` of where it truly is.
+
+    Parameters
+    ----------
+    beyond
+        (n,) distance along the surface from what was seen; 0 where it was, inf if not connected.
+    confidence
+        (n,) of the map, 0 beyond.
+    near
+        In units of sqrt(area of the full shape), as all lengths.
+    """
+    sure = np.where(beyond > 0, confidence[beyond == 0].mean() if (beyond == 0).any() else 0.0, confidence)
+    median = UNSURE_ERROR ** (1 - sure) * SURE_ERROR**sure + GROWTH * beyond
+    chance: Floats = 1.0 - 0.5 ** ((near / median) ** SHAPE)
+    return chance
