@@ -9,6 +9,7 @@ from sherd.arrays import Floats
 from sherd.drawing.picture import picture, png_bytes, stage
 from sherd.errors import InputError
 from sherd.report.exports import exported
+from sherd.report.fitted.fit_report import fit_report
 from sherd.report.frame import Report
 from sherd.report.html import page
 from sherd.report.locate_report import locate_report
@@ -18,6 +19,7 @@ from sherd.report.puzzle.assembly_report import assembly_report
 from sherd.report.puzzle.joined_report import joined_report
 from sherd.report.stored.folder import plain
 from sherd.result_folder import ResultFolder, kind_of, replaceable_files
+from sherd.results.fit_result import Fit
 from sherd.results.locate_result import LocateResult
 from sherd.results.match_result import MatchResult
 from sherd.results.overlap_result import Overlap
@@ -29,7 +31,7 @@ __all__ = ["report_of", "write_report"]
 
 
 def write_report(
-    result: MatchResult | LocateResult | Overlap | Assembly | Joined,
+    result: MatchResult | LocateResult | Overlap | Assembly | Joined | Fit,
     folder: str | os.PathLike[str],
     *,
     command: str = "",
@@ -43,7 +45,7 @@ def write_report(
     ----------
     result
         Of :func:`sherd.match`, :func:`sherd.locate`, :func:`sherd.overlap`,
-        :func:`sherd.assemble` or :func:`sherd.join`.
+        :func:`sherd.assemble`, :func:`sherd.join` or :func:`sherd.fit`.
     folder
         Made when missing. An older result of the same command for shapes of the same names is
         replaced, and those of its files that the new result does not have are removed.
@@ -102,7 +104,7 @@ def write_report(
 
 
 def report_of(
-    result: MatchResult | LocateResult | Overlap | Assembly | Joined,
+    result: MatchResult | LocateResult | Overlap | Assembly | Joined | Fit,
     *,
     command: str = "",
     errors: Floats | None = None,
@@ -110,12 +112,14 @@ def report_of(
     """What there is to write of a result, and to show."""
     if isinstance(result, MatchResult):
         return match_report(result, command=command, errors=errors)
-    if not isinstance(result, LocateResult | Overlap | Assembly | Joined):
+    if not isinstance(result, LocateResult | Overlap | Assembly | Joined | Fit):
         raise InputError(
-            f"a {type(result).__name__} is no result of match, locate, overlap or assemble"
+            f"a {type(result).__name__} is no result of match, locate, overlap, assemble or fit"
         )
     if errors is not None:
         raise InputError("errors are of the points of a match; a region has none")
+    if isinstance(result, Fit):
+        return fit_report(result, command=command)
     if isinstance(result, Overlap):
         return overlap_report(result, command=command)
     if isinstance(result, Joined):

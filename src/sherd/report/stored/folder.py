@@ -15,6 +15,7 @@ from sherd.result_folder import RESULT, inside_name
 
 __all__ = [
     "ASSEMBLY_FORMAT",
+    "FIT_FORMAT",
     "JOINED_FORMAT",
     "MATCH_FORMAT",
     "OVERLAP_FORMAT",
@@ -29,6 +30,7 @@ REGION_FORMAT = "sherd region 1"
 OVERLAP_FORMAT = "sherd overlap 1"
 ASSEMBLY_FORMAT = "sherd assembly 1"
 JOINED_FORMAT = "sherd assembly-alone 1"
+FIT_FORMAT = "sherd fit 1"
 
 
 def folder_problems(folder: str | os.PathLike[str]) -> tuple[str, ...]:
