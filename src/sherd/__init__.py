@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     )
     from sherd.files.cloud_files import read_scan
     from sherd.files.mesh_files import read_mesh, write_mesh
+    from sherd.fit import fit
     from sherd.join import join
     from sherd.locate import locate
     from sherd.match import match
@@ -41,8 +42,11 @@ if TYPE_CHECKING:
     from sherd.repair.inspection import MeshReport, inspect
     from sherd.repair.repair import RepairReport, repair
     from sherd.report.notebook import plot, show
+    from sherd.report.stored.stored_fit import read_fit
     from sherd.report.stored.stored_match import read_match
     from sherd.report.write import write_report
+    from sherd.results.fit_options import FitOptions
+    from sherd.results.fit_result import Fit
     from sherd.results.locate_options import LocateOptions
     from sherd.results.locate_result import LocateResult
     from sherd.results.match_options import MatchOptions
@@ -62,6 +66,8 @@ _HOMES = {
     "AssembleOptions": "sherd.results.puzzle.assemble_options",
     "Assembly": "sherd.results.puzzle.assembly",
     "Convergence": "sherd.energy.convergence",
+    "Fit": "sherd.results.fit_result",
+    "FitOptions": "sherd.results.fit_options",
     "InfeasibleError": "sherd.errors",
     "InputError": "sherd.errors",
     "InvalidMeshError": "sherd.errors",
@@ -85,12 +91,14 @@ _HOMES = {
     "Template": "sherd.surface.template",
     "TriangleMesh": "sherd.mesh.triangle_mesh",
     "assemble": "sherd.assemble",
+    "fit": "sherd.fit",
     "inspect": "sherd.repair.inspection",
     "join": "sherd.join",
     "locate": "sherd.locate",
     "match": "sherd.match",
     "overlap": "sherd.overlap",
     "plot": "sherd.report.notebook",
+    "read_fit": "sherd.report.stored.stored_fit",
     "read_match": "sherd.report.stored.stored_match",
     "read_mesh": "sherd.files.mesh_files",
     "read_scan": "sherd.files.cloud_files",
@@ -105,6 +113,8 @@ __all__ = [
     "AssembleOptions",
     "Assembly",
     "Convergence",
+    "Fit",
+    "FitOptions",
     "InfeasibleError",
     "InputError",
     "InvalidMeshError",
@@ -129,12 +139,14 @@ __all__ = [
     "TriangleMesh",
     "__version__",
     "assemble",
+    "fit",
     "inspect",
     "join",
     "locate",
     "match",
     "overlap",
     "plot",
+    "read_fit",
     "read_match",
     "read_mesh",
     "read_scan",

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Unpack
 
 import numpy as np
 
-from sherd.errors import InputError
+from sherd.errors import InfeasibleError, InputError
 from sherd.fitting.assessment import Solved, fit_of
 from sherd.fitting.fitted import fitted_shape
 from sherd.fitting.targets import matched_surface, targets_of
@@ -25,7 +26,7 @@ STAGES = ("targets", "deformation", "distances", "intersections")
 
 
 def fit(
-    result: MatchResult | Assembly,
+    result: MatchResult | Assembly | Sequence[MatchResult],
     options: FitOptions | None = None,
     *,
     stages: Stages | None = None,
@@ -41,7 +42,8 @@ def fit(
     ----------
     result
         Of :func:`sherd.match`, or of :func:`sherd.assemble`, whose pieces must then lie in one
-        coordinate system and pose, as scans of one body from several sides do.
+        coordinate system and pose, as scans of one body from several sides do; or several matches
+        of such pieces to one full shape.
     options
         See :class:`FitOptions`; the defaults if None.
     stages
@@ -90,19 +92,32 @@ def fit(
     return fit_of(Solved(matches, intake, shape, targets, deformation), options, stages)
 
 
-def _matches(result: MatchResult | Assembly) -> tuple[MatchResult, ...]:
+def _matches(
+    result: MatchResult | Assembly | Sequence[MatchResult],
+) -> tuple[MatchResult, ...]:
     if isinstance(result, MatchResult):
         return (result,)
-    if not isinstance(result, Assembly):
-        raise InputError(
-            f"a {type(result).__name__} cannot be fitted to; match or assemble first"
+    if isinstance(result, Assembly):
+        found = tuple(
+            piece.match for piece in result.pieces if piece.placed and piece.match is not None
         )
-    found = tuple(
-        piece.match for piece in result.pieces if piece.placed and piece.match is not None
-    )
-    if not found:
-        raise InputError("no piece of the assembly has a place, so there is nothing to fit to")
-    scales = np.array([match.scale for match in found])
-    if not np.allclose(scales, scales[0]):
-        raise InputError("the pieces have different scales, but a fit needs one")
+        if not found:
+            raise InfeasibleError("no piece of the assembly has a place to fit the full shape to")
+    else:
+        found = tuple(result) if isinstance(result, Sequence) else ()
+        if not found or not all(isinstance(match, MatchResult) for match in found):
+            raise InputError(
+                f"a {type(result).__name__} cannot be fitted to; match or assemble first"
+            )
+    first = found[0]
+    for match in found[1:]:
+        if not np.array_equal(match.full.vertices, first.full.vertices):
+            raise InputError(
+                f"{match.part.name} was matched to another full shape than {first.part.name}"
+            )
+        if not np.isclose(match.scale, first.scale):
+            raise InputError(
+                f"{match.part.name} was matched with scale {match.scale:.4g}, {first.part.name} "
+                f"with {first.scale:.4g}; pieces of one pose have one scale: give it (scale=...)"
+            )
     return found

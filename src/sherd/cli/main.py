@@ -26,6 +26,7 @@ COMMANDS = {
         "assemble_command",
         "Find where all pieces of a puzzle belong.",
     ),
+    "fit": ("sherd.cli.fitting", "fit_command", "Lay the whole onto the pieces, in their pose."),
     "view": ("sherd.cli.viewing", "view_command", "Open a report again, or draw it as PNG."),
     "transfer": (
         "sherd.cli.transferring",
@@ -68,6 +69,7 @@ def main(**_: Any) -> None:
       sherd locate template.ply scan.ply -o out/
       sherd overlap left.ply right.ply -o out/
       sherd assemble template.ply piece*.ply -o out/
+      sherd fit template.ply scan.ply -o out/
       sherd view out/ --png
       sherd check scan.obj
     """  # noqa: D301

@@ -152,9 +152,7 @@ def _spread(springs: sparse.csr_array, positions: Floats) -> Floats:
 def _factorized(matrix: sparse.csr_array) -> Callable[[Floats], Floats]:
     """Direct solver of a symmetric positive definite problem; many right sides are cheap."""
     # minimum degree on the pattern of A' + A: a third of the fill of the default for such matrices
-    factors: Any = splu(
-        matrix.tocsc(), permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True}
-    )
+    factors: Any = splu(matrix.tocsc(), permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
 
     def solve(right: Floats) -> Floats:
         return np.asarray(factors.solve(np.ascontiguousarray(right)), dtype=np.float64)

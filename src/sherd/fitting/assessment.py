@@ -141,9 +141,7 @@ def _check(elasticity: Elasticity, deformation: Deformation, seen: Bools) -> Fit
     after = intersecting_faces(deformation.positions, faces)
     fresh = int((after & ~before).sum())
     passed = (
-        turned == 0
-        and LEAST_AREA <= kept <= MOST_AREA
-        and fresh <= MOST_INTERSECTIONS * len(faces)
+        turned == 0 and LEAST_AREA <= kept <= MOST_AREA and fresh <= MOST_INTERSECTIONS * len(faces)
     )
     return FitCheck(turned, kept, fresh, int(before.sum()), passed)
 
@@ -177,9 +175,7 @@ def _hidden(
     return tuple(sorted(regions, key=lambda region: -region.area))
 
 
-def _advice(
-    matches: tuple[MatchResult, ...], check: FitCheck, strain: float
-) -> tuple[Status, str]:
+def _advice(matches: tuple[MatchResult, ...], check: FitCheck, strain: float) -> tuple[Status, str]:
     """Whether to trust the fit; a fit is no better than its map."""
     doubted = [match for match in matches if match.status is not Status.GOOD]
     if doubted:
@@ -197,6 +193,6 @@ def _advice(
         if not LEAST_AREA <= check.hidden_area_kept <= MOST_AREA:
             said.append(f"what was not seen has {check.hidden_area_kept:.2f} times its area")
         if check.new_intersections:
-            said.append(f"{check.new_intersections} more faces pierce others than in the full shape")
+            said.append(f"{check.new_intersections} faces pierce others that did not before")
         return Status.DOUBTFUL, f"doubtful: {', '.join(said)}; look at the report"
     return Status.GOOD, "good: the full shape lies on what was seen and kept its shape beyond"

@@ -46,7 +46,8 @@ def chances(beyond: Floats, confidence: Floats, *, near: float) -> Floats:
     near
         In units of sqrt(area of the full shape), as all lengths.
     """
-    sure = np.where(beyond > 0, confidence[beyond == 0].mean() if (beyond == 0).any() else 0.0, confidence)
+    here = beyond == 0
+    sure = np.where(here, confidence, confidence[here].mean() if here.any() else 0.0)
     median = UNSURE_ERROR ** (1 - sure) * SURE_ERROR**sure + GROWTH * beyond
     chance: Floats = 1.0 - 0.5 ** ((near / median) ** SHAPE)
     return chance

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import TypeAlias
 
 import numpy as np
 
@@ -31,6 +33,8 @@ SEEN_LENGTH, HIDDEN_LENGTH = 0.03, 0.3
 # What the edges of a hidden vertex say of its rotation, beside those of a seen one.
 HIDDEN_CERTAINTY = 0.02
 MAP_ROUNDS, SURFACE_ROUNDS, FINE_ROUNDS = 8, 4, 2
+
+Smoothing: TypeAlias = Callable[[Floats, Floats], Floats]
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,27 +79,27 @@ def coarse_deformation(
         Whether the full shape may be locally larger or smaller than the pieces.
     """
     now = _rigid(elasticity, targets)
-    pulls = elasticity.areas * targets.confidence / MAP_LENGTH**2
-    inner = targets.seen & (elasticity.springs @ (~targets.seen).astype(float) == 0)
-    smoothing = _rotation_smoothing(elasticity, targets)
     # positions that are the targets themselves tell rotations at once, where all around is seen
+    inner = targets.seen & (elasticity.springs @ (~targets.seen).astype(np.float64) == 0)
     drawn = np.where(targets.seen[:, None], targets.positions, now.positions)
-    first = _rotation_smoothing(elasticity, Targets(targets.positions, inner.astype(float)), 0.0)
-    rotations = _smooth_rotations(elasticity, drawn, now.rotations, first)
-    now = Deformation(now.positions, rotations, now.sizes)
+    first = _rotation_smoothing(elasticity, inner.astype(np.float64), hidden=0.0)
+    now = replace(now, rotations=_smooth_rotations(elasticity, drawn, now.rotations, first))
+    smoothing = _rotation_smoothing(elasticity, targets.seen.astype(np.float64))
+    pulls = elasticity.areas * targets.confidence / MAP_LENGTH**2
     for step in range(MAP_ROUNDS):
         firm = pulls if step == 0 else pulls * _inliers(now.positions, targets.positions)
         now = _relaxed(elasticity, now, firm, targets.positions)
         if sized and step >= MAP_ROUNDS // 2:
-            sizes = sizes_of(elasticity, now.positions, targets.confidence)
-            now = Deformation(now.positions, now.rotations, sizes)
-        rotations = _smooth_rotations(elasticity, now.positions, now.rotations, smoothing)
-        now = Deformation(now.positions, rotations, now.sizes)
+            now = replace(now, sizes=sizes_of(elasticity, now.positions, targets.confidence))
+        now = _turned(elasticity, now, smoothing)
     for _ in range(SURFACE_ROUNDS):
-        now = _onto_surface(elasticity, now, targets, scan)
-        rotations = _smooth_rotations(elasticity, now.positions, now.rotations, smoothing)
-        now = Deformation(now.positions, rotations, now.sizes)
+        now = _turned(elasticity, _onto_surface(elasticity, now, targets, scan), smoothing)
     return now
+
+
+def _turned(elasticity: Elasticity, now: Deformation, smoothing: Smoothing) -> Deformation:
+    rotations = _smooth_rotations(elasticity, now.positions, now.rotations, smoothing)
+    return replace(now, rotations=rotations)
 
 
 def carried_up(
@@ -140,13 +144,17 @@ def _rigid(elasticity: Elasticity, targets: Targets) -> Deformation:
     )
 
 
-def _rotation_smoothing(elasticity, targets: Targets, hidden: float = HIDDEN_CERTAINTY):  # type: ignore[no-untyped-def]
-    certainty = np.where(targets.seen, 1.0, hidden)
-    lengths = np.where(targets.seen, SEEN_LENGTH, HIDDEN_LENGTH)
-    return elasticity.smoothing(certainty, lengths)
+def _rotation_smoothing(
+    elasticity: Elasticity, known: Floats, *, hidden: float = HIDDEN_CERTAINTY
+) -> Smoothing:
+    """Smooths rotations; `known` (n,) is 1 where the edges of a vertex tell its own."""
+    certainty = np.where(known > 0, known, hidden)
+    return elasticity.smoothing(certainty, np.where(known > 0, SEEN_LENGTH, HIDDEN_LENGTH))
 
 
-def _smooth_rotations(elasticity, positions, before, smoothing):  # type: ignore[no-untyped-def]
+def _smooth_rotations(
+    elasticity: Elasticity, positions: Floats, before: Floats, smoothing: Smoothing
+) -> Floats:
     fitted = elasticity.fitted_rotations(positions)
     smooth = smoothing(fitted.reshape(-1, 9), before.reshape(-1, 9))
     return closest_rotations(smooth.reshape(-1, 3, 3))
@@ -156,7 +164,7 @@ def _relaxed(
     elasticity: Elasticity, now: Deformation, pulls: Floats, positions: Floats
 ) -> Deformation:
     relaxed = elasticity.relaxation(pulls)(now.turns, positions, now.positions)
-    return Deformation(relaxed, now.rotations, now.sizes)
+    return replace(now, positions=relaxed)
 
 
 def _inliers(positions: Floats, targets: Floats) -> Floats:

@@ -48,7 +48,7 @@ def fitted_shape(
         else:
             found = _through_coarse(shape, targets, scan, sized=sized)
         found = fine_deformation(own, found, targets, scan)
-        return without_turned_faces(own, found, targets)
+        return without_turned_faces(own, found)
 
 
 def _through_coarse(

@@ -7,7 +7,6 @@ import numpy as np
 from sherd.arrays import Bools, Floats, Ints
 from sherd.fitting.as_rigid_as_possible import Elasticity
 from sherd.fitting.deformation import Deformation
-from sherd.fitting.targets import Targets
 from sherd.mesh.geometry import face_cross
 
 __all__ = ["turned_faces", "without_turned_faces"]
@@ -30,9 +29,7 @@ def turned_faces(rest: Floats, positions: Floats, rotations: Floats, faces: Ints
     return against
 
 
-def without_turned_faces(
-    elasticity: Elasticity, found: Deformation, targets: Targets
-) -> Deformation:
+def without_turned_faces(elasticity: Elasticity, found: Deformation) -> Deformation:
     """The same, but around turned faces the data no longer draw, and elasticity decides.
 
     What is farther away stays. The rotations are those that fit the edges of each vertex, so this

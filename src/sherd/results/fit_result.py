@@ -276,7 +276,5 @@ class Fit(FrozenState):
         hidden = ~self.seen
         faces = self.full.faces[hidden[self.full.faces].all(axis=1)]
         labels = component_labels(faces, self.full.vertex_count)
-        vertices: Ints = np.flatnonzero(
-            hidden & (labels == labels[self.hidden[number].vertex])
-        )
+        vertices: Ints = np.flatnonzero(hidden & (labels == labels[self.hidden[number].vertex]))
         return vertices

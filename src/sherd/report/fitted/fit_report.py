@@ -77,9 +77,8 @@ def fitted_exhibit(result: Fit, document: Mapping[str, Any]) -> Exhibit:
         region=np.ones(result.full.vertex_count, dtype=bool),
         names=("Fit", "Scan" if len(result.pieces) == 1 else "Scans"),
         part_stands=True,
-        part_numbers=np.arange(parts.vertex_count) - np.repeat(
-            counts, [piece.part.vertex_count for piece in result.pieces]
-        ),
+        part_numbers=np.arange(parts.vertex_count)
+        - np.repeat(counts, [piece.part.vertex_count for piece in result.pieces]),
     )
 
 
