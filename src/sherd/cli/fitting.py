@@ -24,6 +24,7 @@ from sherd.limits import require_seed
 from sherd.match import STAGES as MATCH_STAGES
 from sherd.match import match
 from sherd.output import Stages
+from sherd.report.fitted.fit_report import completion_words
 from sherd.report.stored.stored_pieces import read_matches
 from sherd.report.write import write_report
 from sherd.results.fit_options import SIZINGS, FitOptions, Sizing
@@ -66,6 +67,11 @@ NAMED = 4
     help="Chances are those to be within it; in sqrt(area) of FULL.",
 )
 @click.option(
+    "--merge",
+    is_flag=True,
+    help="Also write completed.ply: the scan as it is, the fit where it has no surface.",
+)
+@click.option(
     "--scale",
     type=ScaleType(),
     metavar=f"[{'|'.join(SCALES)}|FACTOR]",
@@ -92,6 +98,7 @@ def fit_command(  # noqa: PLR0913 - one for each word that can be typed
     source: Path | None,
     sizing: Sizing,
     near: float,
+    merge: bool,
     scale: Scale | float,
     template: Path | None,
     side: Side,
@@ -117,7 +124,7 @@ def fit_command(  # noqa: PLR0913 - one for each word that can be typed
       sherd fit --from matched/ -o out/
     """  # noqa: D301
     require_seed(seed)
-    options = FitOptions(sizing=sizing, near=near)
+    options = FitOptions(sizing=sizing, near=near, merge=merge)
     if (source is None) == (not shapes):
         raise click.UsageError("give FULL and PART, or --from with a folder")
     if source is None and len(shapes) < 2:
@@ -181,6 +188,8 @@ def fit_summary(result: Fit, output: Path) -> str:
         f"Never seen, pose unknown: {100 * region.area:.1f} % around vertex {region.vertex}."
         for region in result.hidden[:NAMED]
     ]
+    if result.completion is not None:
+        lines.append(f"{output / 'completed.ply'} is {completion_words(result.completion)}.")
     if result.status is not Status.GOOD:
         lines.append(f"The result is {result.advice}.")
     lines.append(f"Open {output / 'report.html'} to see it; numbers are in {output}.")

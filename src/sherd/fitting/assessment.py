@@ -9,8 +9,9 @@ import numpy as np
 from sherd.arrays import Bools, Floats, Ints
 from sherd.fitting.as_rigid_as_possible import Elasticity
 from sherd.fitting.chance import chances, distances_beyond
+from sherd.fitting.completion import completed
 from sherd.fitting.deformation import Deformation
-from sherd.fitting.scan_surface import ScanSurface
+from sherd.fitting.scan_surface import REACH, ScanSurface
 from sherd.fitting.self_intersection import intersecting_faces
 from sherd.fitting.targets import Targets, matched_surface
 from sherd.fitting.turned_faces import turned_faces
@@ -82,6 +83,11 @@ def fit_of(solved: Solved, options: FitOptions, stages: Stages) -> Fit:
         check = _check(elasticity, deformation, seen)
     hidden = _hidden(solved.shape, deformation, seen, beyond)
     back = nearest_repaired(solved.intake)
+    completion = None
+    if options.merge:
+        with stages("completion"):
+            placed = fitted.with_vertices(unit * fitted.vertices)
+            completion = completed(placed, seen, pieces, reach=REACH * unit)
     status, advice = _advice(matches, check, float(strain[seen].mean()) if seen.any() else 1.0)
     return Fit(
         full=full,
@@ -107,6 +113,7 @@ def fit_of(solved: Solved, options: FitOptions, stages: Stages) -> Fit:
         timings=stages.seconds,
         options=options,
         notices=solved.intake.notices,
+        completion=completion,
     )
 
 

@@ -10,7 +10,7 @@ from sherd.mesh.surface_finder import SurfaceFinder
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
 
-__all__ = ["ScanSurface"]
+__all__ = ["REACH", "ScanSurface"]
 
 # In sqrt(area of the full shape): farther off is another place, not this one.
 REACH = 0.03

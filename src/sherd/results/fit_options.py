@@ -26,6 +26,8 @@ class FitOptions:
         does; ``"none"``: it is the same body, which bends only.
     near
         What counts as near in :attr:`sherd.Fit.chance`, in sqrt(area of the full shape).
+    merge
+        Whether to complete the scan: see :attr:`sherd.Fit.completion`.
 
     Raises
     ------
@@ -40,6 +42,7 @@ class FitOptions:
 
     sizing: Sizing = "local"
     near: float = 0.02
+    merge: bool = False
 
     def __repr__(self) -> str:
         return differences(self)
@@ -50,6 +53,7 @@ class FitOptions:
         reason = "chances were measured for distances from 0.005 to 0.1 sqrt(area)"
         require_finite("near", self.near, 0.005, 0.1, reason)
         object.__setattr__(self, "near", float(self.near))
+        object.__setattr__(self, "merge", bool(self.merge))
 
 
 class FitKeywords(TypedDict, total=False):
@@ -57,3 +61,4 @@ class FitKeywords(TypedDict, total=False):
 
     sizing: Sizing
     near: float
+    merge: bool

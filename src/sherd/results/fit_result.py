@@ -16,11 +16,12 @@ from sherd.errors import InvalidMeshError
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.results import transfer
+from sherd.results.completion import Completion
 from sherd.results.display import table_html
 from sherd.results.fit_options import FitOptions
 from sherd.results.status import Status
 
-__all__ = ["DistanceSummary", "Fit", "FitCheck", "FittedPiece", "HiddenRegion"]
+__all__ = ["DistanceSummary", "Fit", "FitCheck", "FittedPiece", "HiddenRegion", "PieceMap"]
 
 
 @dataclass(frozen=True)
@@ -134,6 +135,47 @@ class FittedPiece(FrozenState):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
+class PieceMap(FrozenState):
+    """The map between a piece and the full shape that a fit is, to carry values along.
+
+    Attributes
+    ----------
+    full, part, points, matched, scale
+        As of :class:`sherd.MatchResult`.
+    """
+
+    full: TriangleMesh
+    part: TriangleMesh
+    points: SurfacePoints
+    matched: Bools
+    scale: float
+
+    def field_to_part(self, values: ArrayLike) -> Floats:
+        """Values (n_full,) or (n_full, c) at the part's vertices; NaN if unmatched."""
+        return transfer.field_to_part(self, values)
+
+    def field_to_full(self, values: ArrayLike) -> Floats:
+        """Values (n_part,) or (n_part, c) at the full shape's vertices; NaN where not seen."""
+        return transfer.field_to_full(self, values)
+
+    def labels_to_part(self, labels: ArrayLike) -> transfer.Labels:
+        """Labels (n_full,), whole numbers or text, at the part; unmatched: -1 or ""."""
+        return transfer.labels_to_part(self, labels)
+
+    def labels_to_full(self, labels: ArrayLike) -> transfer.Labels:
+        """Labels (n_part,), whole numbers or text, at the full shape; not seen: -1 or ""."""
+        return transfer.labels_to_full(self, labels)
+
+    def landmarks_to_part(self, vertices: ArrayLike) -> tuple[SurfacePoints, Floats]:
+        """As :func:`sherd.results.transfer.landmarks_to_part`."""
+        return transfer.landmarks_to_part(self, vertices)
+
+    def landmarks_to_full(self, vertices: ArrayLike) -> SurfacePoints:
+        """Points of the full shape where the given vertices (p,) of the part lie."""
+        return transfer.landmarks_to_full(self, vertices)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
 class Fit(FrozenState):
     """The answer of :func:`sherd.fit`; arrays are numbered as the user's shapes are.
 
@@ -168,6 +210,8 @@ class Fit(FrozenState):
         As given, and of sherd.
     notices
         What was adapted, in sentences.
+    completion
+        The scan, filled in; None unless asked for with `options.merge`.
 
     Examples
     --------
@@ -196,6 +240,7 @@ class Fit(FrozenState):
     options: FitOptions
     version: str = field(default=__version__)
     notices: tuple[str, ...] = ()
+    completion: Completion | None = None
 
     def __post_init__(self) -> None:
         count = self.full.vertex_count
@@ -268,6 +313,11 @@ class Fit(FrozenState):
         """
         wanted = transfer.checked_vertices(vertices, self.full, "full shape")
         return self.positions[wanted], ~self.seen[wanted], self.chance[wanted]
+
+    def piece_map(self, number: int = 0) -> PieceMap:
+        """The map between one of the pieces and the full shape."""
+        piece = self.pieces[number]
+        return PieceMap(self.full, piece.part, piece.points, piece.matched, piece.scale)
 
     def vertices_of_region(self, number: int) -> Ints:
         """The vertices of one of `hidden`, ascending."""

@@ -19,10 +19,11 @@ from sherd.report.fitted.morph import morph_glb
 from sherd.report.frame import Report, mesh_facts
 from sherd.report.known_layers import file_layers, known_layer
 from sherd.report.stored.folder import FIT_FORMAT
+from sherd.results.completion import FITTED, Completion
 from sherd.results.fit_result import Fit, FittedPiece
 from sherd.results.status import Status
 
-__all__ = ["fit_report", "fitted_exhibit"]
+__all__ = ["completion_words", "fit_report", "fitted_exhibit"]
 
 # So many of the hidden regions are said in words.
 NAMED = 4
@@ -43,6 +44,9 @@ def fit_report(result: Fit, *, command: str = "") -> Report:
     for number, piece in enumerate(result.pieces):
         files[f"piece_{number}/part.ply"] = painted_ply(piece.part, _piece_layers([piece]))
         files[f"piece_{number}/distances.csv"] = _distances_csv(piece)
+    done = result.completion
+    if done is not None:
+        files["completed.ply"] = encoded(done.mesh, ".ply", fields={"origin": done.origin})
     return Report(document, exhibit, files, picture_name="fit.png")
 
 
@@ -83,6 +87,7 @@ def fitted_exhibit(result: Fit, document: Mapping[str, Any]) -> Exhibit:
 
 
 def _document(result: Fit, command: str) -> dict[str, Any]:
+    done = result.completion
     return {
         "format": FIT_FORMAT,
         "version": result.version,
@@ -107,10 +112,31 @@ def _document(result: Fit, command: str) -> dict[str, Any]:
             }
             for number, piece in enumerate(result.pieces)
         ],
+        "completion": None if done is None else _completion_facts(done),
         "check": asdict(result.check),
         "options": asdict(result.options),
         "timings": dict(result.timings),
     }
+
+
+def _completion_facts(done: Completion) -> dict[str, Any]:
+    return {
+        "vertices": done.mesh.vertex_count,
+        "faces": done.mesh.face_count,
+        "from_scan": float((done.origin != FITTED).mean()),
+        "watertight": done.watertight,
+        "stitched": done.stitched,
+        "reason": done.reason,
+    }
+
+
+def completion_words(done: Completion) -> str:
+    """How the scan was completed, in a part of a sentence."""
+    closed = "watertight" if done.watertight else "not watertight"
+    why = f" ({done.reason})" if done.reason else ""
+    if done.stitched:
+        return f"the scan with the fit stitched to it, {closed}{why}"
+    return f"the fit moved onto the scan, {closed}, not the scan itself: {done.reason}"
 
 
 def _mean(values: Floats) -> float:
@@ -222,6 +248,8 @@ def _sentences(result: Fit) -> tuple[str, ...]:
             "its pose is unknown, and drawn as in the full shape; at its far end the chance to be "
             f"within {result.options.near * result.unit:.3g} is {deepest:.0%}."
         )
+    if result.completion is not None:
+        said.append(f"completed.ply is {completion_words(result.completion)}.")
     if result.check.new_intersections:
         said.append(
             f"{result.check.new_intersections} faces pierce others that do not in the full shape."

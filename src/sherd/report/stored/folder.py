@@ -22,6 +22,7 @@ __all__ = [
     "REGION_FORMAT",
     "folder_problems",
     "plain",
+    "result_format",
 ]
 
 # Of result.json; raise the number when a field changes its meaning.
@@ -54,6 +55,15 @@ def folder_problems(folder: str | os.PathLike[str]) -> tuple[str, ...]:
         elif _sha256(file) != expected:
             problems.append(f"{name} does not belong to this {RESULT}; run again")
     return tuple(problems)
+
+
+def result_format(folder: str | os.PathLike[str]) -> str:
+    """What a folder holds, as its ``result.json`` says; empty if it says nothing."""
+    try:
+        result = json.loads((Path(folder) / RESULT).read_text(encoding="utf-8"))
+        return str(result["format"])
+    except (OSError, ValueError, KeyError, TypeError):
+        return ""
 
 
 def plain(value: Any) -> Any:
