@@ -49,7 +49,6 @@ FLOORS = {
     "puzzle": 11,
     "fitting": 11,
     "assemble": 12,
-    "fit": 12,
     "join": 12,
     "report": 13,
     "benchmark": 14,

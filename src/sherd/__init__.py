@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     )
     from sherd.files.cloud_files import read_scan
     from sherd.files.mesh_files import read_mesh, write_mesh
-    from sherd.fit import fit
+    from sherd.fitting.fit import fit
     from sherd.join import join
     from sherd.locate import locate
     from sherd.match import match
@@ -45,8 +45,8 @@ if TYPE_CHECKING:
     from sherd.report.stored.stored_fit import read_fit
     from sherd.report.stored.stored_match import read_match
     from sherd.report.write import write_report
-    from sherd.results.fit_options import FitOptions
-    from sherd.results.fit_result import Fit
+    from sherd.results.fitted.fit_options import FitOptions
+    from sherd.results.fitted.fit_result import Fit
     from sherd.results.locate_options import LocateOptions
     from sherd.results.locate_result import LocateResult
     from sherd.results.match_options import MatchOptions
@@ -66,8 +66,8 @@ _HOMES = {
     "AssembleOptions": "sherd.results.puzzle.assemble_options",
     "Assembly": "sherd.results.puzzle.assembly",
     "Convergence": "sherd.energy.convergence",
-    "Fit": "sherd.results.fit_result",
-    "FitOptions": "sherd.results.fit_options",
+    "Fit": "sherd.results.fitted.fit_result",
+    "FitOptions": "sherd.results.fitted.fit_options",
     "InfeasibleError": "sherd.errors",
     "InputError": "sherd.errors",
     "InvalidMeshError": "sherd.errors",
@@ -91,7 +91,7 @@ _HOMES = {
     "Template": "sherd.surface.template",
     "TriangleMesh": "sherd.mesh.triangle_mesh",
     "assemble": "sherd.assemble",
-    "fit": "sherd.fit",
+    "fit": "sherd.fitting.fit",
     "inspect": "sherd.repair.inspection",
     "join": "sherd.join",
     "locate": "sherd.locate",

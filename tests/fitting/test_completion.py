@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 import trimesh
 
-from sherd.fit import fit
 from sherd.fitting.border_loops import (
     border_loops,
     filled_loop,
@@ -14,6 +13,7 @@ from sherd.fitting.border_loops import (
     strip_between,
     without_pinched_borders,
 )
+from sherd.fitting.fit import fit
 from sherd.mesh.geometry import face_cross
 from sherd.mesh.triangle_mesh import TriangleMesh
 

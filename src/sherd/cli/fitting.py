@@ -19,7 +19,7 @@ from sherd.cli.inputs import (
     stored_template,
 )
 from sherd.cli.options import overwrite_option, quiet_option, template_option
-from sherd.fit import STAGES, fit
+from sherd.fitting.fit import STAGES, fit
 from sherd.limits import require_seed
 from sherd.match import STAGES as MATCH_STAGES
 from sherd.match import match
@@ -27,8 +27,8 @@ from sherd.output import Stages
 from sherd.report.fitted.fit_report import completion_words
 from sherd.report.stored.stored_pieces import read_matches
 from sherd.report.write import write_report
-from sherd.results.fit_options import SIZINGS, FitOptions, Sizing
-from sherd.results.fit_result import Fit
+from sherd.results.fitted.fit_options import SIZINGS, FitOptions, Sizing
+from sherd.results.fitted.fit_result import Fit
 from sherd.results.match_options import SCALES, Scale
 from sherd.results.match_result import MatchResult
 from sherd.results.puzzle.assembly import Assembly

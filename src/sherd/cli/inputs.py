@@ -15,7 +15,7 @@ from sherd.errors import OutputError
 from sherd.output import require_writable
 from sherd.report.stored.folder import ASSEMBLY_FORMAT, FIT_FORMAT, JOINED_FORMAT
 from sherd.result_folder import NAMES, ResultKind, replaceable_files
-from sherd.results.fit_result import Fit
+from sherd.results.fitted.fit_result import Fit
 from sherd.results.locate_result import LocateResult
 from sherd.results.match_options import SCALES
 from sherd.results.match_result import MatchResult

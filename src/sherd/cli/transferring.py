@@ -21,7 +21,7 @@ from sherd.output import require_writable, write_text
 from sherd.report.stored.folder import FIT_FORMAT, result_format
 from sherd.report.stored.stored_fit import read_fit
 from sherd.report.stored.stored_match import read_match
-from sherd.results.fit_result import Fit, PieceMap
+from sherd.results.fitted.fit_result import Fit, PieceMap
 from sherd.results.match_result import MatchResult
 
 __all__ = ["transfer_command"]

@@ -20,8 +20,8 @@ from sherd.mesh.surface_finder import SurfaceFinder
 from sherd.mesh.topology import component_labels
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.output import Stages
-from sherd.results.fit_options import FitOptions
-from sherd.results.fit_result import Fit, FitCheck, FittedPiece, HiddenRegion
+from sherd.results.fitted.fit_options import FitOptions
+from sherd.results.fitted.fit_result import Fit, FitCheck, FittedPiece, HiddenRegion
 from sherd.results.match_result import MatchResult
 from sherd.results.status import Status
 from sherd.scan.intake import Intake

@@ -24,8 +24,8 @@ from sherd.fitting.border_loops import (
 from sherd.mesh.surface_points import closest_points
 from sherd.mesh.topology import component_labels
 from sherd.mesh.triangle_mesh import TriangleMesh
-from sherd.results.completion import FITTED, Completion
-from sherd.results.fit_result import FittedPiece
+from sherd.results.fitted.completion import FITTED, Completion
+from sherd.results.fitted.fit_result import FittedPiece
 
 __all__ = ["completed"]
 

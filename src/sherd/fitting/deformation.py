@@ -8,8 +8,9 @@ from typing import TypeAlias
 
 import numpy as np
 
-from sherd.arrays import Floats
+from sherd.arrays import Bools, Floats
 from sherd.fitting.as_rigid_as_possible import Elasticity, closest_rotations
+from sherd.fitting.chance import distances_beyond
 from sherd.fitting.scan_surface import ScanSurface
 from sherd.fitting.sizes import sizes_of
 from sherd.fitting.targets import Targets
@@ -27,11 +28,15 @@ MAP_LENGTH = 0.01
 SURFACE_LENGTH = 0.005
 # Places farther than this from where their neighbors draw them are wrong, not noisy.
 MAP_LIMIT = 0.03
-# Rotations are averaged over so much of what is seen, and over so much beyond, where
-# positions follow from them rather than the reverse.
-SEEN_LENGTH, HIDDEN_LENGTH = 0.03, 0.3
-# What the edges of a hidden vertex say of its rotation, beside those of a seen one.
-HIDDEN_CERTAINTY = 0.02
+# Rotations are averaged over so much of what is seen. Beyond, first over as much, so that the bend
+# at the cut goes on as what lies on both sides of it asks for; with each step away over more, up to
+# the length of a limb, which thus stays in one piece.
+SEEN_LENGTH, LARGEST_LENGTH = 0.03, 0.5
+# What the edges of a hidden vertex say of its rotation, beside those of a seen one: near the cut as
+# much, and so much far from it, where positions follow from rotations rather than the reverse.
+FAR_CERTAINTY, NEAR_CUT = 0.02, 0.05
+# Rotations to begin with, of places that were not averaged yet.
+FIRST_LENGTH = 0.05
 MAP_ROUNDS, SURFACE_ROUNDS, FINE_ROUNDS = 8, 4, 2
 
 Smoothing: TypeAlias = Callable[[Floats, Floats], Floats]
@@ -82,9 +87,9 @@ def coarse_deformation(
     # positions that are the targets themselves tell rotations at once, where all around is seen
     inner = targets.seen & (elasticity.springs @ (~targets.seen).astype(np.float64) == 0)
     drawn = np.where(targets.seen[:, None], targets.positions, now.positions)
-    first = _rotation_smoothing(elasticity, inner.astype(np.float64), hidden=0.0)
+    first = elasticity.smoothing(inner.astype(np.float64), np.full(len(inner), FIRST_LENGTH))
     now = replace(now, rotations=_smooth_rotations(elasticity, drawn, now.rotations, first))
-    smoothing = _rotation_smoothing(elasticity, targets.seen.astype(np.float64))
+    smoothing = _rotation_smoothing(elasticity, targets.seen)
     pulls = elasticity.areas * targets.confidence / MAP_LENGTH**2
     for step in range(MAP_ROUNDS):
         firm = pulls if step == 0 else pulls * _inliers(now.positions, targets.positions)
@@ -144,12 +149,11 @@ def _rigid(elasticity: Elasticity, targets: Targets) -> Deformation:
     )
 
 
-def _rotation_smoothing(
-    elasticity: Elasticity, known: Floats, *, hidden: float = HIDDEN_CERTAINTY
-) -> Smoothing:
-    """Smooths rotations; `known` (n,) is 1 where the edges of a vertex tell its own."""
-    certainty = np.where(known > 0, known, hidden)
-    return elasticity.smoothing(certainty, np.where(known > 0, SEEN_LENGTH, HIDDEN_LENGTH))
+def _rotation_smoothing(elasticity: Elasticity, seen: Bools) -> Smoothing:
+    """Smooths rotations that the edges around each vertex (n,) tell, best where it is seen."""
+    beyond = np.minimum(distances_beyond(elasticity.mesh, seen), LARGEST_LENGTH)
+    certainty = FAR_CERTAINTY + (1 - FAR_CERTAINTY) * np.exp(-beyond / NEAR_CUT)
+    return elasticity.smoothing(certainty, np.minimum(SEEN_LENGTH + beyond, LARGEST_LENGTH))
 
 
 def _smooth_rotations(

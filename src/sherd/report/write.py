@@ -19,7 +19,7 @@ from sherd.report.puzzle.assembly_report import assembly_report
 from sherd.report.puzzle.joined_report import joined_report
 from sherd.report.stored.folder import plain
 from sherd.result_folder import ResultFolder, kind_of, replaceable_files
-from sherd.results.fit_result import Fit
+from sherd.results.fitted.fit_result import Fit
 from sherd.results.locate_result import LocateResult
 from sherd.results.match_result import MatchResult
 from sherd.results.overlap_result import Overlap

@@ -19,8 +19,8 @@ from sherd.report.fitted.morph import morph_glb
 from sherd.report.frame import Report, mesh_facts
 from sherd.report.known_layers import file_layers, known_layer
 from sherd.report.stored.folder import FIT_FORMAT
-from sherd.results.completion import FITTED, Completion
-from sherd.results.fit_result import Fit, FittedPiece
+from sherd.results.fitted.completion import FITTED, Completion
+from sherd.results.fitted.fit_result import Fit, FittedPiece
 from sherd.results.status import Status
 
 __all__ = ["completion_words", "fit_report", "fitted_exhibit"]

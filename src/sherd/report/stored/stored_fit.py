@@ -16,8 +16,8 @@ from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.report.known_layers import own_fields
 from sherd.report.stored.folder import FIT_FORMAT, folder_problems
-from sherd.results.fit_options import FitOptions
-from sherd.results.fit_result import Fit, FitCheck, FittedPiece, HiddenRegion
+from sherd.results.fitted.fit_options import FitOptions
+from sherd.results.fitted.fit_result import Fit, FitCheck, FittedPiece, HiddenRegion
 from sherd.results.status import Status
 
 __all__ = ["read_fit"]

@@ -9,10 +9,10 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from sherd.errors import InfeasibleError, InputError, OptionError
-from sherd.fit import fit
+from sherd.fitting.fit import fit
 from sherd.mesh.surface_points import SurfacePoints, points_at_vertices
 from sherd.mesh.triangle_mesh import TriangleMesh
-from sherd.results.fit_result import Fit
+from sherd.results.fitted.fit_result import Fit
 from sherd.results.match_result import MatchResult
 from sherd.results.placement import Placement
 from sherd.results.status import Status

@@ -16,9 +16,9 @@ from sherd.errors import InvalidMeshError
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.results import transfer
-from sherd.results.completion import Completion
 from sherd.results.display import table_html
-from sherd.results.fit_options import FitOptions
+from sherd.results.fitted.completion import Completion
+from sherd.results.fitted.fit_options import FitOptions
 from sherd.results.status import Status
 
 __all__ = ["DistanceSummary", "Fit", "FitCheck", "FittedPiece", "HiddenRegion", "PieceMap"]
@@ -125,6 +125,17 @@ class FittedPiece(FrozenState):
     matched: Bools
     distances: Floats
     scale: float
+
+    def __post_init__(self) -> None:
+        count = self.part.vertex_count
+        for name, kind in (("matched", np.bool_), ("distances", np.float64)):
+            value = np.array(getattr(self, name), dtype=kind)
+            if value.shape != (count,) or len(self.points) != count:
+                raise InvalidMeshError(
+                    f"{name} has shape {value.shape} and there are {len(self.points)} points, but "
+                    f"{self.part.name} has {count} vertices"
+                )
+            object.__setattr__(self, name, frozen(value))
 
     @property
     def summary(self) -> DistanceSummary:

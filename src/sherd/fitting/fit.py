@@ -13,8 +13,8 @@ from sherd.fitting.fitted import fitted_shape
 from sherd.fitting.targets import matched_surface, targets_of
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.output import Stages
-from sherd.results.fit_options import FitKeywords, FitOptions
-from sherd.results.fit_result import Fit
+from sherd.results.fitted.fit_options import FitKeywords, FitOptions
+from sherd.results.fitted.fit_result import Fit
 from sherd.results.keywords import options_of
 from sherd.results.match_result import MatchResult
 from sherd.results.puzzle.assembly import Assembly
