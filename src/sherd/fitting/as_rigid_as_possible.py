@@ -130,7 +130,7 @@ class Elasticity:
         """Sum over the edges of each vertex of w_ij (A_i + A_j) / 2 (y_i - y_j), (n, 3)."""
         rest, springs = self.rest, self.springs
         own = np.einsum("nij,nj->ni", turns, self.laplacian @ rest)
-        around = (springs @ turns.reshape(-1, 9)).reshape(-1, 3, 3)
+        around = np.asarray(springs @ turns.reshape(-1, 9)).reshape(-1, 3, 3)
         theirs = np.einsum("nij,nj->ni", around, rest)
         theirs -= springs @ np.einsum("nij,nj->ni", turns, rest)
         total: Floats = 0.5 * (own + theirs)
@@ -138,7 +138,8 @@ class Elasticity:
 
 
 def _laplacian(springs: sparse.csr_array) -> sparse.csr_array:
-    return (sparse.diags_array(springs.sum(axis=1)) - springs).tocsr()
+    laplacian: sparse.csr_array = (sparse.diags_array(springs.sum(axis=1)) - springs).tocsr()
+    return laplacian
 
 
 def _spread(springs: sparse.csr_array, positions: Floats) -> Floats:

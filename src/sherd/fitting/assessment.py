@@ -142,7 +142,7 @@ def _check(elasticity: Elasticity, deformation: Deformation, seen: Bools) -> Fit
     faces, rest = elasticity.mesh.faces, elasticity.rest
     rotations = elasticity.fitted_rotations(deformation.positions)
     turned = int(turned_faces(rest, deformation.positions, rotations, faces).sum())
-    hidden = ~seen[faces].any(axis=1)
+    hidden: Bools = np.asarray(~seen[faces]).all(axis=1)
     kept = _area_kept(elasticity.mesh, deformation, hidden)
     before = intersecting_faces(rest, faces)
     after = intersecting_faces(deformation.positions, faces)
@@ -177,7 +177,9 @@ def _hidden(
         if area < LEAST_REGION:
             continue
         deepest = vertices[np.where(np.isfinite(beyond[vertices]), beyond[vertices], 0.0).argmax()]
-        kept = _area_kept(shape, deformation, inside & (labels[shape.faces[:, 0]] == label))
+        kept = _area_kept(
+            shape, deformation, np.logical_and(inside, labels[shape.faces[:, 0]] == label)
+        )
         regions.append(HiddenRegion(area, kept, int(deepest), len(vertices)))
     return tuple(sorted(regions, key=lambda region: -region.area))
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import importlib.util
 from typing import Any
 
 import numpy as np
@@ -45,7 +46,8 @@ def arap_positions(shape: TriangleMesh, targets: Targets) -> Floats:
 def nonrigid_icp_positions(shape: TriangleMesh, targets: Targets, match: MatchResult) -> Floats:
     """Trimesh's `nricp_amberg` from the rigid motion, with 200 vertices of the map as landmarks."""
     import trimesh  # noqa: PLC0415 - loads slowly
-    from trimesh.registration import nricp_amberg  # noqa: PLC0415
+
+    registration: Any = importlib.import_module("trimesh.registration")
 
     unit = match.full.length / match.scale
     scan = trimesh.Trimesh(match.part.vertices / unit, match.part.faces, process=False)
@@ -53,7 +55,7 @@ def nonrigid_icp_positions(shape: TriangleMesh, targets: Targets, match: MatchRe
     seen = np.flatnonzero(targets.seen)
     order = seen[np.argsort(-targets.confidence[seen], kind="stable")]
     chosen = order[np.linspace(0, len(order) - 1, min(LANDMARKS, len(order))).astype(int)]
-    result = nricp_amberg(
+    result = registration.nricp_amberg(
         source,
         scan,
         source_landmarks=chosen,

@@ -104,16 +104,12 @@ def fit_table(rows: Sequence[FitRow]) -> str:
 
 
 def _means(measured: Sequence[Quality]) -> Quality:
-    return Quality(
-        **{
-            each.name: (
-                int(sum(getattr(m, each.name) for m in measured))
-                if each.name == "turned"
-                else float(np.nanmean([getattr(m, each.name) for m in measured]))
-            )
-            for each in fields(Quality)
-        }
-    )
+    """Means, but of turned faces the sum."""
+    means: dict[str, Any] = {
+        each.name: float(np.nanmean([getattr(m, each.name) for m in measured]))
+        for each in fields(Quality)
+    }
+    return Quality(**(means | {"turned": sum(each.turned for each in measured)}))
 
 
 def _words(each: Quality) -> str:
@@ -149,9 +145,13 @@ def _stored(path: Path) -> list[FitRow]:
 
 
 def _row(stored: dict[str, Any]) -> FitRow:
-    qualities = {
-        way: Quality(**{k: math.nan if v is None else v for k, v in stored[way].items()})
-        for way in WAYS
-    }
     pairs = tuple((int(count), int(hits)) for count, hits in stored["calibration"])
+    qualities = {way: _quality(stored[way]) for way in WAYS}
     return FitRow(**{**stored, **qualities, "calibration": pairs})
+
+
+def _quality(stored: dict[str, Any]) -> Quality:
+    known: dict[str, Any] = {
+        name: math.nan if value is None else value for name, value in stored.items()
+    }
+    return Quality(**known)

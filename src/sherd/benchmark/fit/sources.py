@@ -152,7 +152,8 @@ def _ball(body: Fragment, share: float, rng: np.random.Generator) -> Fragment:
     distance = Geodesics(body.mesh).distances_from(center)[0]
     order = np.argsort(distance)
     reached = np.cumsum(areas[order]) / areas.sum()
-    level = distance[order[min(np.searchsorted(reached, share), len(order) - 1)]]
+    last = min(int(np.searchsorted(reached, share)), len(order) - 1)
+    level = distance[order[last]]
     return largest_piece(cut_by_level(body, level - distance))
 
 

@@ -12,6 +12,7 @@ from sherd.arrays import Floats
 from sherd.drawing.colors import correspondence_layer, full_layer
 from sherd.drawing.exhibit import Exhibit, Layer, Partner, Verdict
 from sherd.files.encode import encoded
+from sherd.mesh.geometry import closest_rotation
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.report.files import painted_ply, table_csv
@@ -81,9 +82,21 @@ def fitted_exhibit(result: Fit, document: Mapping[str, Any]) -> Exhibit:
         region=np.ones(result.full.vertex_count, dtype=bool),
         names=("Fit", "Scan" if len(result.pieces) == 1 else "Scans"),
         part_stands=True,
+        full_before=_brought_near(result),
+        overlaid=True,
         part_numbers=np.arange(parts.vertex_count)
         - np.repeat(counts, [piece.part.vertex_count for piece in result.pieces]),
     )
+
+
+def _brought_near(result: Fit) -> Floats:
+    """The full shape as it was given (n, 3), moved and sized as a whole to where the fit is."""
+    full, areas = result.full, result.full.vertex_areas
+    turn = closest_rotation(full.vertices, result.positions, areas)
+    center = np.average(full.vertices, axis=0, weights=areas)
+    there = np.average(result.positions, axis=0, weights=areas)
+    near: Floats = (full.vertices - center) @ turn.T / result.pieces[0].scale + there
+    return near
 
 
 def _document(result: Fit, command: str) -> dict[str, Any]:
