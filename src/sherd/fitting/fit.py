@@ -73,8 +73,8 @@ def fit(
     --------
     >>> from sherd.match import match
     >>> from sherd.shapes import creature, cut_by_ball, whole
-    >>> full = creature(3000)
-    >>> part = cut_by_ball(whole(creature(3000, pose="walk"), full), 0, 0.5).mesh
+    >>> full = creature(5000)
+    >>> part = cut_by_ball(whole(creature(5000, pose="walk"), full), 0, 0.5).mesh
     >>> fit(match(full, part)).check.turned_faces
     0
     """

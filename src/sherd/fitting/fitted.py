@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from sherd.fitting.as_rigid_as_possible import Elasticity
+from sherd.fitting.crossing import without_new_crossings
 from sherd.fitting.deformation import (
     Deformation,
     carried_up,
@@ -48,6 +49,7 @@ def fitted_shape(
         else:
             found = _through_coarse(shape, targets, scan, sized=sized)
         found = fine_deformation(own, found, targets, scan)
+        found = without_new_crossings(own, without_turned_faces(own, found), targets.seen)
         return without_turned_faces(own, found)
 
 

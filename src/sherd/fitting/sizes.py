@@ -11,7 +11,7 @@ __all__ = ["sizes_of"]
 
 # In sqrt(area of the full shape): sizes are those of regions, a stretched joint is none.
 SIZE_LENGTH = 0.15
-# Skin stretches by so much (log) between poses of one body; only what is beyond it is size.
+# Regions stretch by so much (log) between poses of one body.
 STRETCH = 0.04
 # Nobody's limbs are more than three times those of a template that could be matched.
 LARGEST = 1.1
@@ -21,13 +21,13 @@ def sizes_of(elasticity: Elasticity, positions: Floats, confidence: Floats) -> F
     """The factor (n,) by which the full shape is enlarged at each vertex.
 
     Logarithms of the growth of what was seen are averaged over regions and continued harmonically
-    to what was not; of that, what a pose alone may do is taken off, so that a shape that only
-    moved keeps its size exactly.
+    to what was not. What a pose alone may do is no size, so that a shape that only moved keeps its
+    own exactly; twice as much is believed as it is, and in between a part of it.
     """
     growth = np.log(np.maximum(elasticity.fitted_sizes(positions), 1e-6))
     growth = np.clip(growth, -LARGEST, LARGEST)
     lengths = np.full(len(growth), SIZE_LENGTH)
     smooth = elasticity.smoothing(confidence, lengths)(growth[:, None], np.zeros((len(growth), 1)))
-    beyond = np.sign(smooth[:, 0]) * np.maximum(np.abs(smooth[:, 0]) - STRETCH, 0.0)
-    sizes: Floats = np.exp(beyond)
+    believed = np.clip(np.abs(smooth[:, 0]) / STRETCH - 1.0, 0.0, 1.0)
+    sizes: Floats = np.exp(believed * smooth[:, 0])
     return sizes

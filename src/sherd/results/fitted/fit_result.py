@@ -223,16 +223,6 @@ class Fit(FrozenState):
         What was adapted, in sentences.
     completion
         The scan, filled in; None unless asked for with `options.merge`.
-
-    Examples
-    --------
-    >>> import sherd
-    >>> from sherd.shapes import creature, cut_by_ball, whole
-    >>> full = creature(3000)
-    >>> part = cut_by_ball(whole(creature(3000, pose="walk"), full), 0, 0.5).mesh
-    >>> fit = sherd.fit(sherd.match(full, part))
-    >>> fit.mesh.vertex_count == full.vertex_count
-    True
     """
 
     full: TriangleMesh
