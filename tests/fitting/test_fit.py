@@ -185,6 +185,14 @@ def test_two_pieces_of_one_pose_are_fitted_at_once(match) -> None:
         fit([match, replace(second, scale=2.0)])
 
 
+def test_pieces_in_different_places_are_doubted(match) -> None:
+    """A second scan of the same half in a coordinate system of its own."""
+    apart = with_part(match, match.part.with_vertices(match.part.vertices[:, ::-1] * [1, 1, -1.0]))
+    answer = fit([match, apart])
+    assert answer.status is Status.DOUBTFUL
+    assert "one coordinate system" in answer.advice
+
+
 def test_doubt_of_the_match_is_doubt_of_the_fit(match) -> None:
     doubted = fit(replace(match, status=Status.DOUBTFUL, advice="doubtful: no"))
     assert doubted.status is Status.DOUBTFUL

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -36,6 +37,8 @@ MOST_INTERSECTIONS = 0.001
 LEAST_REGION = 0.002
 # Mean strain of what was seen: right fits of poses have 0.02 to 0.1, of other people up to 0.2.
 STRAINED = 0.25
+# Of the matched area of a piece; a right map leaves a few percent that elasticity does not follow.
+MOST_LOST = 0.2
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,7 +91,7 @@ def fit_of(solved: Solved, options: FitOptions, stages: Stages) -> Fit:
         with stages("completion"):
             placed = fitted.with_vertices(unit * fitted.vertices)
             completion = completed(placed, seen, pieces, reach=REACH * unit)
-    status, advice = _advice(matches, check, float(strain[seen].mean()) if seen.any() else 1.0)
+    status, advice = _advice(matches, check, _lost(pieces, unit), _mean_strain(strain, seen))
     return Fit(
         full=full,
         pieces=pieces,
@@ -184,12 +187,34 @@ def _hidden(
     return tuple(sorted(regions, key=lambda region: -region.area))
 
 
-def _advice(matches: tuple[MatchResult, ...], check: FitCheck, strain: float) -> tuple[Status, str]:
+def _lost(pieces: Sequence[FittedPiece], unit: float) -> tuple[str, ...]:
+    """Names of the pieces of which much that is matched does not lie on the fit."""
+    lost = []
+    for piece in pieces:
+        areas = piece.part.vertex_areas * piece.matched
+        far = areas @ (piece.distances > REACH * unit)
+        if far > MOST_LOST * areas.sum():
+            lost.append(piece.part.name)
+    return tuple(lost)
+
+
+def _mean_strain(strain: Floats, seen: Bools) -> float:
+    return float(strain[seen].mean()) if seen.any() else np.inf
+
+
+def _advice(
+    matches: tuple[MatchResult, ...], check: FitCheck, lost: tuple[str, ...], strain: float
+) -> tuple[Status, str]:
     """Whether to trust the fit; a fit is no better than its map."""
     doubted = [match for match in matches if match.status is not Status.GOOD]
     if doubted:
         worst = next((m for m in doubted if m.status is Status.FOREIGN), doubted[0])
         return worst.status, f"{worst.part.name}: {worst.advice}"
+    if lost:
+        return Status.DOUBTFUL, (
+            f"doubtful: much of {', '.join(lost)} does not lie on the fit; do all pieces lie in "
+            "one coordinate system and pose, in one unit?"
+        )
     if strain > STRAINED:
         return Status.DOUBTFUL, (
             f"doubtful: what was seen is strained by {strain:.0%} on average; do all pieces lie in "
