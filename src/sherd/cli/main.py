@@ -69,7 +69,6 @@ def main(**_: Any) -> None:
       sherd locate template.ply scan.ply -o out/
       sherd overlap left.ply right.ply -o out/
       sherd assemble template.ply piece*.ply -o out/
-      sherd fit template.ply scan.ply -o out/
       sherd view out/ --png
       sherd check scan.obj
     """  # noqa: D301

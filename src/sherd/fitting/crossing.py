@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 
 from sherd.arrays import Bools, Floats, Ints
-from sherd.fitting.as_rigid_as_possible import Elasticity
+from sherd.fitting.as_rigid_as_possible import Elasticity, closest_rotations
 from sherd.fitting.deformation import Deformation
 from sherd.fitting.self_intersection import intersecting_faces, intersecting_pairs
-from sherd.mesh.geometry import face_areas, face_normals
+from sherd.mesh.geometry import closest_rotation, face_areas, face_normals
+from sherd.mesh.topology import component_labels
 
 __all__ = ["without_new_crossings"]
 
+# Shares of their own turning that crossing regions are turned back by, the least first.
+SHARES = (0.25, 0.5, 0.75, 1.0)
 # Each round pushes by what is crossed, and a limb is thicker than what crosses first.
 ROUNDS = 6
 # So much more than what is crossed, in mean edges.
@@ -27,26 +31,64 @@ AREA_CHANGE = 0.02
 def without_new_crossings(elasticity: Elasticity, found: Deformation, seen: Bools) -> Deformation:
     """The same, or with fewer faces that pierce others and did not in the full shape.
 
-    Where two surfaces went through each other, the vertices of each that lie behind the other are
-    pushed before it, if they were not seen; what is around follows. What was seen stays. A round
-    is kept only if it leaves fewer crossings.
+    First, hidden regions that cross something turn back toward where they are beside the whole in
+    the full shape, where they crossed nothing. Then, where two surfaces still go through each
+    other, the hidden vertices of each that lie behind the other are pushed before it, and what is
+    around follows. What was seen stays. A step is kept only if it leaves fewer crossings and the
+    area.
     """
     faces = elasticity.mesh.faces
     before = intersecting_faces(elasticity.rest, faces)
     pairs = _new_pairs(found.positions, faces, before)
-    area = face_areas(found.positions, faces).sum()
-    best, now, fewest = found, found, len(np.unique(pairs))
+    if not len(pairs) or seen.all():
+        return found
+    area = float(face_areas(found.positions, faces).sum())
+    best, least = found, pairs
+
+    def kept(step: Deformation) -> bool:
+        nonlocal best, least
+        crossing = _new_pairs(step.positions, faces, before)
+        change = abs(face_areas(step.positions, faces).sum() / area - 1)
+        fewer = len(np.unique(crossing)) < len(np.unique(least))
+        if fewer and change <= AREA_CHANGE:
+            best, least = step, crossing
+        return len(crossing) > 0
+
+    turning = _turning_back(elasticity, found, pairs, seen)
+    for share in SHARES:
+        if not kept(turning(share)):
+            return best
+    now = best
     for _ in range(ROUNDS):
+        pairs = _new_pairs(now.positions, faces, before)
         if not len(pairs):
             break
         now = _pushed(elasticity, now, pairs, seen)
-        pairs = _new_pairs(now.positions, faces, before)
-        change = abs(face_areas(now.positions, faces).sum() / area - 1)
-        if change > AREA_CHANGE:
-            break
-        if len(np.unique(pairs)) < fewest:
-            best, fewest = now, len(np.unique(pairs))
+        kept(now)
     return best
+
+
+def _turning_back(
+    elasticity: Elasticity, found: Deformation, pairs: Ints, seen: Bools
+) -> Callable[[float], Deformation]:
+    """The deformation, its crossing hidden regions turned back by a share of what they turned."""
+    faces, rest, hidden = elasticity.mesh.faces, elasticity.rest, ~seen
+    inside = faces[hidden[faces].all(axis=1)]
+    labels = component_labels(inside, len(rest)) if len(inside) else np.arange(len(rest))
+    corners = faces[np.unique(pairs)].ravel()
+    crossing = hidden & np.isin(labels, labels[corners[hidden[corners]]])
+    weights = elasticity.areas * seen
+    whole = closest_rotation(rest, found.positions, weights)
+    pulls = np.where(seen, elasticity.areas / SEEN_LENGTH**2, 0.0)
+    relaxed = elasticity.relaxation(pulls)
+
+    def turned(share: float) -> Deformation:
+        mixed = (1 - share) * found.rotations + share * whole
+        rotations = np.where(crossing[:, None, None], closest_rotations(mixed), found.rotations)
+        step = replace(found, rotations=rotations)
+        return replace(step, positions=relaxed(step.turns, found.positions, found.positions))
+
+    return turned
 
 
 def _new_pairs(positions: Floats, faces: Ints, before: Bools) -> Ints:

@@ -11,8 +11,8 @@ __all__ = ["sizes_of"]
 
 # In sqrt(area of the full shape): sizes are those of regions, a stretched joint is none.
 SIZE_LENGTH = 0.15
-# Regions stretch by so much (log) between poses of one body.
-STRETCH = 0.04
+# Regions of 15 pairs of poses of one body stretched by up to 0.08 (log), most by less than 0.04.
+STRETCH = 0.06
 # Nobody's limbs are more than three times those of a template that could be matched.
 LARGEST = 1.1
 
