@@ -20,7 +20,7 @@ from sherd.shapes import creature
 @pytest.fixture(scope="module")
 def animations(tmp_path_factory):
     folder = tmp_path_factory.mktemp("animations")
-    rest, walk = creature(2000), creature(2000, pose="walk")
+    rest, walk = creature(5000), creature(5000, pose="walk")
     np.savez(
         folder / "creature.npz", vertices=np.stack([rest.vertices, walk.vertices]), faces=rest.faces
     )

@@ -145,7 +145,7 @@ def _check(elasticity: Elasticity, deformation: Deformation, seen: Bools) -> Fit
     faces, rest = elasticity.mesh.faces, elasticity.rest
     rotations = elasticity.fitted_rotations(deformation.positions)
     turned = int(turned_faces(rest, deformation.positions, rotations, faces).sum())
-    hidden: Bools = np.asarray(~seen[faces]).all(axis=1)
+    hidden: Bools = np.all(~seen[faces], axis=1)
     kept = _area_kept(elasticity.mesh, deformation, hidden)
     before = intersecting_faces(rest, faces)
     after = intersecting_faces(deformation.positions, faces)

@@ -12,10 +12,15 @@ from sherd.mesh.triangle_mesh import TriangleMesh
 __all__ = ["chances", "distances_beyond"]
 
 # The median error, in sqrt(area of the full shape), of what was seen where the map is surest and
-# where it is least sure, and how it grows along the surface beyond the cut.
+# where it is least sure, and how it grows along the surface beyond the cut. From parts of 0.35, 0.5
+# and 0.7 of two horses, a cat, a lion and a person in other poses, 15 right matches in two sets:
+# medians of 0.003 and 0.004 where the confidence was above 0.98, of 0.03 and 0.02 below 0.5; beyond
+# the cut of 0.028 and 0.025 at 0.075, 0.10 and 0.06 at 0.25, 0.22 and 0.12 at 0.4.
 SURE_ERROR, UNSURE_ERROR = 0.004, 0.04
 GROWTH = 0.35
-# Chance that an error is below r for a median m: 1 - 2^-(r / m)^SHAPE, a Weibull distribution.
+# Chance that an error is below r for a median m: 1 - 2^-(r / m)^SHAPE, a Weibull distribution. Of
+# vertices that it promised less than 0.1 of both sets, 0.15 and 0.07 were within 0.02, of those with
+# 0.4 to 0.5, 0.48 and 0.49, of those above 0.9, 0.92 and 0.97.
 SHAPE = 1.2
 
 

@@ -24,7 +24,7 @@ ROUNDS = 6
 MARGIN = 0.5
 # How firmly what was seen stays, and how firmly the rest is pushed, in sqrt(area) as data terms.
 SEEN_LENGTH, PUSH_LENGTH = 0.002, 0.01
-# Area of all faces may change by so much: pushing shall bend limbs, not flatten them.
+# Area may differ by so much from what it should be: pushing shall bend limbs, not flatten them.
 AREA_CHANGE = 0.02
 
 
@@ -42,15 +42,19 @@ def without_new_crossings(elasticity: Elasticity, found: Deformation, seen: Bool
     pairs = _new_pairs(found.positions, faces, before)
     if not len(pairs) or seen.all():
         return found
-    area = float(face_areas(found.positions, faces).sum())
+    wanted = elasticity.mesh.face_areas @ (found.sizes[faces] ** 2).mean(axis=1)
     best, least = found, pairs
+
+    def off(step: Deformation) -> float:
+        return abs(float(face_areas(step.positions, faces).sum() / wanted) - 1)
+
+    most = max(off(found), AREA_CHANGE)
 
     def kept(step: Deformation) -> bool:
         nonlocal best, least
         crossing = _new_pairs(step.positions, faces, before)
-        change = abs(face_areas(step.positions, faces).sum() / area - 1)
         fewer = len(np.unique(crossing)) < len(np.unique(least))
-        if fewer and change <= AREA_CHANGE:
+        if fewer and off(step) <= most:
             best, least = step, crossing
         return len(crossing) > 0
 
