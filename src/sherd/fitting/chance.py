@@ -19,8 +19,8 @@ __all__ = ["chances", "distances_beyond"]
 SURE_ERROR, UNSURE_ERROR = 0.004, 0.04
 GROWTH = 0.35
 # Chance that an error is below r for a median m: 1 - 2^-(r / m)^SHAPE, a Weibull distribution. Of
-# vertices that it promised less than 0.1 of both sets, 0.15 and 0.07 were within 0.02, of those with
-# 0.4 to 0.5, 0.48 and 0.49, of those above 0.9, 0.92 and 0.97.
+# vertices of both sets that it promised less than 0.1, 0.15 and 0.07 were within 0.02, of those
+# with 0.4 to 0.5, 0.48 and 0.49, of those above 0.9, 0.92 and 0.97.
 SHAPE = 1.2
 
 
