@@ -32,7 +32,9 @@ __all__ = ["completed"]
 # In edges of the fit: a loop of the scan is beside one of the fit if half of it is as near.
 BESIDE = 4.0
 # Holes of the scan with so short a border are closed at once: the fit has no vertex inside.
-SMALL_HOLE = 24
+SMALL_HOLE = 40
+# Of the reach of what is matched: what is not must lie so near to the fit to be no clutter.
+ON_FIT = 0.2
 # An island of the scan with fewer faces is left out, as noise; a strip around it needs them.
 SMALL_ISLAND = 20
 
@@ -51,7 +53,8 @@ def completed(
     pieces
         With the distance of each vertex from the fit.
     reach
-        Matched vertices farther from the fit than this, in its unit, are left out.
+        Matched vertices farther from the fit than this, in its unit, are left out, and others
+        farther than a fifth of it.
     """
     if len(pieces) > 1:
         return _moved(fit, seen, pieces, "there are several pieces, which overlap or leave cracks")
@@ -72,7 +75,8 @@ def completed(
 
 
 def _kept_scan(piece: FittedPiece, reach: float) -> tuple[Ints, Bools]:
-    good = piece.matched & (piece.distances < reach)
+    # what lies on the fit belongs to it, whatever the map thinks of it
+    good = piece.distances < np.where(piece.matched, reach, ON_FIT * reach)
     faces = without_pinched_borders(piece.part.faces[good[piece.part.faces].all(axis=1)])
     if len(faces):
         label = component_labels(faces, piece.part.vertex_count)[faces[:, 0]]
