@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from sherd.arrays import Floats
+from sherd.drawing.camera import upward
 from sherd.drawing.colors import correspondence_layer, full_layer
 from sherd.drawing.exhibit import Exhibit, Layer, Partner, Verdict
 from sherd.files.encode import encoded
@@ -28,6 +29,8 @@ __all__ = ["completion_words", "fit_report", "fitted_exhibit"]
 
 # So many of the hidden regions are said in words.
 NAMED = 4
+# What is less larger or smaller is not worth a sentence.
+LEAST_SIZE = 0.005
 
 
 def fit_report(result: Fit, *, command: str = "") -> Report:
@@ -83,16 +86,28 @@ def fitted_exhibit(result: Fit, document: Mapping[str, Any]) -> Exhibit:
         names=("Fit", "Scan" if len(result.pieces) == 1 else "Scans"),
         part_stands=True,
         full_before=_brought_near(result),
+        up=_up(result),
         overlaid=True,
         part_numbers=np.arange(parts.vertex_count)
         - np.repeat(counts, [piece.part.vertex_count for piece in result.pieces]),
     )
 
 
+def _turn(result: Fit) -> Floats:
+    """The rotation (3, 3) that brings the full shape as a whole to where the fit is."""
+    full = result.full
+    return closest_rotation(full.vertices, result.positions, full.vertex_areas)
+
+
+def _up(result: Fit) -> tuple[float, float, float]:
+    """What is up for the full shape as it was given, turned with it: a scan may lie anyhow."""
+    x, y, z = (_turn(result) @ upward(result.full)).tolist()
+    return x, y, z
+
+
 def _brought_near(result: Fit) -> Floats:
     """The full shape as it was given (n, 3), moved and sized as a whole to where the fit is."""
-    full, areas = result.full, result.full.vertex_areas
-    turn = closest_rotation(full.vertices, result.positions, areas)
+    full, areas, turn = result.full, result.full.vertex_areas, _turn(result)
     center = np.average(full.vertices, axis=0, weights=areas)
     there = np.average(result.positions, axis=0, weights=areas)
     near: Floats = (full.vertices - center) @ turn.T / result.pieces[0].scale + there
@@ -249,7 +264,7 @@ def _sentences(result: Fit) -> tuple[str, ...]:
         f"From the fit back to the scan it is {back.mean:.3g} on average, {back.largest:.3g} at "
         "most.",
     ]
-    if np.ptp(result.sizes) > 0 or result.sizes[0] != 1:
+    if np.abs(result.sizes - 1).max() > LEAST_SIZE:
         said.append(
             f"The full shape was made {result.sizes.min():.2f} to {result.sizes.max():.2f} times "
             "as large."
