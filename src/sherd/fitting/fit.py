@@ -67,7 +67,7 @@ def fit(
 
     Notes
     -----
-    On two cores 2 s for 10,000 vertices; no random choice is made.
+    On two busy cores 2 to 5 s for 10,000 vertices; no random choice is made.
 
     Examples
     --------
