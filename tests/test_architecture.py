@@ -49,6 +49,7 @@ FLOORS = {
     "overlap": 9,
     "puzzle": 11,
     "library": 12,
+    "fitting": 11,
     "assemble": 12,
     "join": 12,
     "report": 13,

@@ -21,6 +21,8 @@ from PIL import Image
 import sherd
 from sherd.energy.mumford_shah import EnergyTerms
 from sherd.library.folder import Shelf
+from sherd.results.fitted.completion import Completion
+from sherd.results.fitted.fit_result import FitCheck, FittedPiece, HiddenRegion
 from sherd.results.locate_result import LocateCheck
 from sherd.results.match_result import MatchCheck
 from sherd.results.overlap_result import SharedMap
@@ -193,6 +195,29 @@ def library() -> sherd.Library:
     return sherd.Library(Path("library"), (shelf,))
 
 
+def fitted() -> sherd.Fit:
+    piece = FittedPiece(MESH, surface_points(), np.ones(COUNT, dtype=bool), np.zeros(COUNT), 1.0)
+    made = sherd.Fit(
+        full=MESH,
+        pieces=(piece,),
+        positions=MESH.vertices + 1.0,
+        seen=np.arange(COUNT) % 2 == 0,
+        chance=np.linspace(0, 1, COUNT),
+        distances=np.linspace(0, 0.1, COUNT),
+        strain=np.zeros(COUNT),
+        sizes=np.ones(COUNT),
+        check=FitCheck(0, 1.0, 0, 0, passed=True),
+        hidden=(HiddenRegion(0.5, 1.0, 1, COUNT // 2),),
+        status=sherd.Status.GOOD,
+        advice="good: it lies there",
+        timings={"deformation": 1.0},
+        options=sherd.FitOptions(merge=True),
+        completion=Completion(MESH, np.zeros(COUNT, dtype=int), watertight=True, stitched=True),
+    )
+    _ = (made.mesh, made.scan_summary)  # computed and kept
+    return made
+
+
 MAKERS: dict[str, Callable[[], object]] = {
     "AssembleOptions": lambda: sherd.AssembleOptions(rigid=True),
     "Assembly": assembly,
@@ -204,6 +229,8 @@ MAKERS: dict[str, Callable[[], object]] = {
     "PairsResult": lambda: sherd.PairsResult(Path("out"), (pair_row(),), (), 1),
     "Joined": joined,
     "Convergence": lambda: sherd.Convergence.STALLED,
+    "Fit": fitted,
+    "FitOptions": lambda: sherd.FitOptions(sizing="none"),
     "LocateOptions": lambda: sherd.LocateOptions(method="subspace"),
     "LocateResult": locate_result,
     "MatchOptions": lambda: match_result().options,

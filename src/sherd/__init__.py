@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     )
     from sherd.files.cloud_files import read_scan
     from sherd.files.mesh_files import read_mesh, write_mesh
+    from sherd.fitting.fit import fit
     from sherd.join import join
     from sherd.landmarks.carried import CarriedLandmarks, carry_landmarks
     from sherd.landmarks.landmark_files import read_landmarks, write_landmarks
@@ -55,8 +56,11 @@ if TYPE_CHECKING:
     from sherd.repair.inspection import MeshReport, inspect
     from sherd.repair.repair import RepairReport, repair
     from sherd.report.notebook import plot, show
+    from sherd.report.stored.stored_fit import read_fit
     from sherd.report.stored.stored_match import read_match
     from sherd.report.write import write_report
+    from sherd.results.fitted.fit_options import FitOptions
+    from sherd.results.fitted.fit_result import Fit
     from sherd.results.locate_options import LocateOptions
     from sherd.results.locate_result import LocateResult
     from sherd.results.many.identification import CandidateAnswer, Identification
@@ -86,6 +90,8 @@ _HOMES = {
     "Convergence": "sherd.energy.convergence",
     "Identification": "sherd.results.many.identification",
     "IdentifyOptions": "sherd.results.many.identify_options",
+    "Fit": "sherd.results.fitted.fit_result",
+    "FitOptions": "sherd.results.fitted.fit_options",
     "InfeasibleError": "sherd.errors",
     "InputError": "sherd.errors",
     "InvalidMeshError": "sherd.errors",
@@ -118,6 +124,7 @@ _HOMES = {
     "identify": "sherd.library.identify",
     "batch": "sherd.batching.batch",
     "collect_batch": "sherd.batching.collect",
+    "fit": "sherd.fitting.fit",
     "inspect": "sherd.repair.inspection",
     "join": "sherd.join",
     "landmark_table": "sherd.landmarks.landmark_table",
@@ -128,6 +135,7 @@ _HOMES = {
     "overlap": "sherd.overlap",
     "plot": "sherd.report.notebook",
     "read_landmarks": "sherd.landmarks.landmark_files",
+    "read_fit": "sherd.report.stored.stored_fit",
     "read_match": "sherd.report.stored.stored_match",
     "read_mesh": "sherd.files.mesh_files",
     "read_scan": "sherd.files.cloud_files",
@@ -149,6 +157,8 @@ __all__ = [
     "CandidateAnswer",
     "CarriedLandmarks",
     "Convergence",
+    "Fit",
+    "FitOptions",
     "Identification",
     "IdentifyOptions",
     "InfeasibleError",
@@ -183,6 +193,7 @@ __all__ = [
     "batch",
     "carry_landmarks",
     "collect_batch",
+    "fit",
     "identify",
     "inspect",
     "join",
@@ -193,6 +204,7 @@ __all__ = [
     "median_landmarks",
     "overlap",
     "plot",
+    "read_fit",
     "read_landmarks",
     "read_match",
     "read_mesh",

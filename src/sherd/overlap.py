@@ -13,6 +13,7 @@ from sherd.arrays import Ints
 from sherd.correspondence.labels.labeling import SAME_SCALE, UNKNOWN_SCALE, Problem
 from sherd.correspondence.labels.two_way import two_way_labelings
 from sherd.correspondence.placements import anchor_problem
+from sherd.correspondence.plausibility import mirrored_energy_ratio
 from sherd.correspondence.question import Question
 from sherd.correspondence.registration import surface_points
 from sherd.correspondence.scale import (
@@ -29,6 +30,8 @@ from sherd.correspondence.shared.hints import (
     pins_on,
 )
 from sherd.correspondence.shared.judgment import (
+    MIRROR_CHANCE,
+    mirror_is_better,
     overlap_chance,
     shared_confidence,
     strain_curve,
@@ -157,6 +160,7 @@ def shared_by(
     """What two described shapes share: the second half of the method; see :func:`overlap`."""
     intakes = (shapes[0].intake, shapes[1].intake)
     landmarks = landmarks_on(*shapes, options)
+    mirrored_ratio = begun(partial(mirrored_energy_ratio, questions, options.seed))
     with stages("labels"):
         problems = _problems(questions, options.seed)
         rngs = (np.random.default_rng(options.seed + 1), np.random.default_rng(options.seed + 1))
@@ -171,6 +175,8 @@ def shared_by(
         )
         curve = strain_curve(questions, placements)
     chance = overlap_chance(labelings.agreement, labelings.first_ratio, questions, placements)
+    twin = mirror_is_better(labelings.first_ratio, mirrored_ratio())
+    chance = min(chance, MIRROR_CHANCE) if twin else chance
     result = Overlap(
         first=intakes[0].original,
         second=intakes[1].original,
@@ -191,6 +197,7 @@ def shared_by(
         chance=chance,
         shared=all(bool(each.matched.any()) for each in maps),
         checked=result.check().passed,
+        twin=twin,
         scale_bound=scale if estimate.at_bound else None,
         scale_rival=None if estimate.rival is None else options.factor * estimate.rival,
         unfollowed=unfollowed_pairs(

@@ -37,6 +37,8 @@ NAMES = frozenset(
         "match.png", "alternatives.npz", "inverse.csv", "first_region.csv",
         "second_region.csv", "first.ply", "second.ply", "overlap.png", "labels.csv",
         "assembly.png", "pairs.csv", "partners.csv", "candidates.csv",
+        "fit.ply", "fit.obj", "fit.glb", "fit.csv",
+        "fit.png", "distances.csv", "completed.ply",
         "full.vtp", "part.vtp", "result.glb", "result.npz", "result.mat",
     }
 )  # fmt: skip
@@ -158,7 +160,7 @@ def inside_name(name: str) -> str:
 
 def _in_piece_folders(folder: Path, kind: ResultKind) -> set[str]:
     """Files in folders of single pieces, of which only some kinds of results have any."""
-    if not kind.file_format.startswith("sherd assembly"):
+    if not kind.file_format.startswith(("sherd assembly", "sherd fit")):
         return set()
     with reported(folder):
         return {

@@ -1,5 +1,6 @@
 // The page: reads its data, shows it, and listens.
 import { readPayload } from "./decode.js";
+import { Fitting } from "./fitting.js";
 import { Hints } from "./hints.js";
 import { copyOnClick, HintsPanel, MODES } from "./hints_panel.js";
 import { carriedLayer, coverage, placedLayer, readLayer } from "./layers.js";
@@ -49,6 +50,10 @@ class Page {
     this.stage = new Stage(elements.canvas, this.shapes, elements, {
       orbits: this.orbits, palette: this.palette, drawn: () => this.redrawOverlay(),
     });
+    if (this.shapes.full.before) {
+      const overlaid = this.meta.overlaid ? this.shapes.part : null;
+      this.fitting = new Fitting(this.stage.views.full, this.shapes.full, overlaid, () => this.stage.request());
+    }
     for (const side of SIDES) this.listen(side, elements[side]);
     this.refresh();
     this.changeHints(() => {});

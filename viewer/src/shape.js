@@ -15,8 +15,19 @@ export function readShape(meta, read) {
   const shape = { ...meta, count, center, positions, faces };
   shape.numbers = meta.numbers ? read(meta.numbers) : null;
   shape.owners = meta.owners ? read(meta.owners) : null;
+  shape.before = meta.before ? readBefore(meta, read, center) : null;
   Object.assign(shape, normalsAndAreas(positions, faces));
   return shape;
+}
+
+function readBefore(meta, read, center) {
+  const before = new Float32Array(3 * meta.shown);
+  for (let axis = 0; axis < 3; axis++) {
+    const low = meta.before.low[axis] - center[axis];
+    const column = dequantize(read(meta.before.positions[axis]), low, low + meta.before.extent);
+    for (let i = 0; i < meta.shown; i++) before[3 * i + axis] = column[i];
+  }
+  return before;
 }
 
 // The user's number of a vertex that is shown.
@@ -35,7 +46,7 @@ export function vertexPoint(shape, vertex) {
   return [shape.positions[3 * vertex], shape.positions[3 * vertex + 1], shape.positions[3 * vertex + 2]];
 }
 
-function normalsAndAreas(p, faces) {
+export function normalsAndAreas(p, faces) {
   const normals = new Float32Array(p.length);
   const areas = new Float32Array(p.length / 3);
   for (let f = 0; f < faces.length; f += 3) {

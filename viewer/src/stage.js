@@ -68,6 +68,22 @@ const fragmentShader = `
     gl_FragColor = vec4(base * shade + gloss, 1.0);
   }`;
 
+// What is laid over a shape: one color, half of it, so that what lies behind shines through.
+const overlaidVertexShader = `
+  varying vec3 bend;
+  void main() {
+    bend = normalMatrix * normal;
+    gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
+  }`;
+const overlaidShader = `
+  uniform vec3 tone;
+  varying vec3 bend;
+  void main() {
+    float light = 0.55 + 0.45 * abs(normalize(bend).z);
+    gl_FragColor = vec4(tone * light, 0.5);
+  }`;
+const OVERLAID = [86, 104, 180];
+
 function texture(rgb) {
   const bytes = new Uint8Array(1024);
   for (let i = 0; i < 256; i++) bytes.set([rgb[3 * i], rgb[3 * i + 1], rgb[3 * i + 2], 255], 4 * i);
@@ -123,6 +139,36 @@ class View {
     paint(this.colors, this.values, layer, palette);
     this.geometry.attributes.color.needsUpdate = true;
     this.geometry.attributes.value.needsUpdate = true;
+  }
+
+  // The positions of the shape have changed.
+  moved() {
+    this.geometry.attributes.position.needsUpdate = true;
+    this.geometry.attributes.normal.array.set(this.shape.normals);
+    this.geometry.attributes.normal.needsUpdate = true;
+    this.geometry.boundsTree?.refit();
+    this.geometry.computeBoundingSphere();
+  }
+
+  // Another shape in the coordinates of this one's file is drawn over it; none if null.
+  overlay(shape) {
+    if (this.overlaid) this.scene.remove(this.overlaid);
+    this.overlaid = null;
+    if (!shape) return;
+    const geometry = new BufferGeometry();
+    geometry.setAttribute("position", new BufferAttribute(shape.positions, 3));
+    geometry.setAttribute("normal", new BufferAttribute(shape.normals, 3));
+    geometry.setIndex(new BufferAttribute(shape.faces, 1));
+    const material = new ShaderMaterial({
+      vertexShader: overlaidVertexShader, fragmentShader: overlaidShader, side: DoubleSide, transparent: true,
+      uniforms: { tone: { value: new Vector3(...OVERLAID).divideScalar(255) } },
+    });
+    this.overlaid = new Mesh(geometry, material);
+    this.overlaid.matrixAutoUpdate = false;
+    const apart = shape.center.map((middle, axis) => middle - this.shape.center[axis]);
+    this.overlaid.matrix.copy(this.mesh.matrix).multiply(new Matrix4().makeTranslation(...apart));
+    this.overlaid.updateMatrixWorld(true);
+    this.scene.add(this.overlaid);
   }
 
   // Vertices that are drawn in a color of their own whatever the layer, (n,) of 0 or 1.

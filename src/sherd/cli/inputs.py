@@ -13,8 +13,9 @@ from click.shell_completion import CompletionItem
 
 from sherd.errors import OutputError
 from sherd.output import require_writable
-from sherd.report.stored.folder import ASSEMBLY_FORMAT, JOINED_FORMAT
+from sherd.report.stored.folder import ASSEMBLY_FORMAT, FIT_FORMAT, JOINED_FORMAT
 from sherd.result_folder import NAMES, ResultKind, replaceable_files
+from sherd.results.fitted.fit_result import Fit
 from sherd.results.locate_result import LocateResult
 from sherd.results.match_options import SCALES
 from sherd.results.match_result import MatchResult
@@ -26,9 +27,11 @@ from sherd.surface.template import Template
 
 __all__ = [
     "ScaleType",
+    "check_fit_outputs",
     "check_outputs",
     "check_piece_outputs",
     "command_line",
+    "show_fit_notices",
     "show_notices",
     "show_piece_notices",
     "stored_template",
@@ -115,6 +118,34 @@ def check_piece_outputs(
     _check_free(folder, question, template, overwrite=overwrite)
 
 
+def check_fit_outputs(
+    folder: Path,
+    shapes: Sequence[Path],
+    earlier: Sequence[MatchResult] | None,
+    *,
+    overwrite: bool,
+    template: Path | None = None,
+) -> None:
+    """As :func:`check_outputs`, for a fit of files, or of what was matched before.
+
+    Raises
+    ------
+    OutputError
+        If the folder or the template file cannot be written, the folder is not free for this
+        result, or a shape lies there under a name that the result needs.
+    """
+    for mesh in shapes:
+        inside = mesh.resolve().is_relative_to(folder.resolve())
+        if mesh.name in NAMES and inside:
+            raise OutputError(f"{mesh}: would be replaced by the result; choose another folder")
+    if earlier is None:
+        full, parts = shapes[0].name, [part.name for part in shapes[1:]]
+    else:
+        full, parts = earlier[0].full.name, [match.part.name for match in earlier]
+    question = ResultKind(FIT_FORMAT, full, ", ".join(parts))
+    _check_free(folder, question, template, overwrite=overwrite)
+
+
 def _check_free(
     folder: Path,
     question: ResultKind,
@@ -126,6 +157,12 @@ def _check_free(
     replaceable_files(folder, question, overwrite=overwrite, own=own)
     if template is not None and not template.exists():
         require_writable(template)
+
+
+def show_fit_notices(result: Fit, *, quiet: bool) -> None:
+    """As :func:`show_notices`, of a fit."""
+    if not quiet:
+        _say([(result.full.name, result.notices)])
 
 
 def show_piece_notices(result: Assembly | Joined, *, quiet: bool) -> None:

@@ -41,6 +41,7 @@ COMMANDS = {
         "batch_command",
         "Match many parts; goes on after any interruption.",
     ),
+    "fit": ("sherd.cli.fitting", "fit_command", "Lay the whole onto the pieces, in their pose."),
     "view": ("sherd.cli.viewing", "view_command", "Open a report again, or draw it as PNG."),
     "transfer": (
         "sherd.cli.transferring",

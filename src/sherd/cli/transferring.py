@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TypeAlias
 
 import click
 import numpy as np
@@ -20,12 +21,17 @@ from sherd.landmarks.landmark_list import Space
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.output import require_writable, write_text
+from sherd.report.stored.folder import FIT_FORMAT, result_format
+from sherd.report.stored.stored_fit import read_fit
 from sherd.report.stored.stored_match import read_match
+from sherd.results.fitted.fit_result import Fit, PieceMap
 from sherd.results.match_result import MatchResult
 
 __all__ = ["transfer_command"]
 
 FILE = click.Path(path_type=Path)
+
+Mapped: TypeAlias = MatchResult | PieceMap
 
 
 @click.command("transfer")
@@ -50,8 +56,15 @@ FILE = click.Path(path_type=Path)
     help="Below it a vertex counts as unmatched; 0 to 1.",
 )
 @mesh_space_option
+@click.option(
+    "--piece",
+    type=int,
+    default=0,
+    show_default=True,
+    help="Which part of a fit to several, from 0.",
+)
 @quiet_option()
-def transfer_command(
+def transfer_command(  # noqa: PLR0913 - one for each word that can be typed
     folder: Path,
     values: Path,
     output: Path,
@@ -60,14 +73,18 @@ def transfer_command(
     labels: bool,
     min_confidence: float,
     mesh_space: Space | None,
+    piece: int,
     quiet: bool,
 ) -> int:
-    """Carry VALUES from one shape to the other along the match in FOLDER.
+    """Carry VALUES from one shape to the other along the match, or the fit, in FOLDER.
 
     VALUES is a mesh with vertex fields or colors (written as .ply), a CSV with a column `vertex`
     and columns of numbers, or with --labels of text, a CSV with the columns `name,vertex` of
     landmarks, or landmarks of 3D Slicer (.mrk.json, .fcsv), written as such or as a table. Vertices
     that are not named, and what has no partner, are unknown: nan, for labels -1 or empty.
+
+    Of a fit, landmarks of the full shape get places where nothing was seen, too, and are marked as
+    extrapolated; their places are those of the fit, in the coordinates of the part.
 
     \b
     Examples:
@@ -77,15 +94,30 @@ def transfer_command(
       sherd transfer out/ template.mrk.json -o scan.mrk.json
     """  # noqa: D301
     require_writable(output)
-    stored = read_match(folder).with_min_confidence(min_confidence)
+    fitted = read_fit(folder) if result_format(folder) == FIT_FORMAT else None
     if mesh_space is not None and not is_landmark_file(values):
         raise click.UsageError("--mesh-space is for landmarks of 3D Slicer")
     if is_landmark_file(values):
-        text = transferred_landmarks(stored, values, output, to=to, mesh_space=mesh_space)
+        if fitted is not None:
+            raise click.UsageError(
+                "landmarks of 3D Slicer are carried along a match; of a fit, name vertices: a CSV "
+                "with the columns name,vertex"
+            )
+        single = read_match(folder).with_min_confidence(min_confidence)
+        text = transferred_landmarks(single, values, output, to=to, mesh_space=mesh_space)
         write_text(output, text)
-    elif values.suffix.lower() == ".csv":
+        if not quiet:
+            click.echo(f"written: {output}")
+        return 0
+    if fitted is None:
+        stored: Mapped = read_match(folder).with_min_confidence(min_confidence)
+    else:
+        stored = _map_of_fit(fitted, piece, min_confidence)
+    if values.suffix.lower() == ".csv":
         columns = columns_of(values)
-        if set(columns) == {"name", "vertex"}:
+        if set(columns) == {"name", "vertex"} and fitted is not None and to == "part":
+            write_text(output, _fitted_landmarks(fitted, values, columns))
+        elif set(columns) == {"name", "vertex"}:
             write_text(output, _landmarks(stored, values, columns, to))
         else:
             write_text(output, _table(stored, values, columns, to=to, labels=labels))
@@ -96,8 +128,31 @@ def transfer_command(
     return 0
 
 
+def _map_of_fit(fitted: Fit, piece: int, min_confidence: float) -> PieceMap:
+    if min_confidence > 0:
+        raise click.UsageError("a fit has chances, no confidence: --min-confidence is of a match")
+    if not 0 <= piece < len(fitted.pieces):
+        raise click.UsageError(f"--piece is {piece}, but the fit has 0..{len(fitted.pieces) - 1}")
+    return fitted.piece_map(piece)
+
+
+def _fitted_landmarks(fitted: Fit, path: Path, columns: dict[str, list[str]]) -> str:
+    """Name, vertex, place in the coordinates of the part, and whether nothing was seen there."""
+    vertices = whole_numbers_of(path, columns, "vertex")
+    refuse_repeated(path, columns["name"], "name")
+    positions, extrapolated, chance = fitted.landmarks(vertices)
+    table = {
+        "name": np.array(columns["name"]),
+        "vertex": vertices,
+        **{axis: positions[:, k] for k, axis in enumerate("xyz")},
+        "extrapolated": extrapolated.astype(np.int64),
+        "chance": chance,
+    }
+    return text_table(table)
+
+
 def _carried(
-    stored: MatchResult, array: NDArray[np.generic], *, to: str, labels: bool
+    stored: Mapped, array: NDArray[np.generic], *, to: str, labels: bool
 ) -> NDArray[np.generic]:
     if labels:
         return stored.labels_to_part(array) if to == "part" else stored.labels_to_full(array)
@@ -105,7 +160,7 @@ def _carried(
 
 
 def _table(
-    stored: MatchResult, path: Path, columns: dict[str, list[str]], *, to: str, labels: bool
+    stored: Mapped, path: Path, columns: dict[str, list[str]], *, to: str, labels: bool
 ) -> str:
     source, target = (stored.full, stored.part) if to == "part" else (stored.part, stored.full)
     rows = rows_of_vertices(path, columns, source)
@@ -118,7 +173,7 @@ def _table(
     return text_table(carried)
 
 
-def _landmarks(stored: MatchResult, path: Path, columns: dict[str, list[str]], to: str) -> str:
+def _landmarks(stored: Mapped, path: Path, columns: dict[str, list[str]], to: str) -> str:
     vertices = whole_numbers_of(path, columns, "vertex")
     refuse_repeated(path, columns["name"], "name")
     target = stored.part if to == "part" else stored.full
@@ -147,7 +202,7 @@ def _landmark_text(
     return text_table({"name": np.array(names), **table})
 
 
-def _mesh(stored: MatchResult, path: Path, output: Path, *, to: str, labels: bool) -> None:
+def _mesh(stored: Mapped, path: Path, output: Path, *, to: str, labels: bool) -> None:
     painted = read_mesh(path)
     source, target = (stored.full, stored.part) if to == "part" else (stored.part, stored.full)
     if painted.vertex_count != source.vertex_count:

@@ -2,23 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from sherd.arrays import Floats
 from sherd.correspondence.confidence import LEAST, MOST
 from sherd.correspondence.labels.anchors import chance_energy, first_labeling
 from sherd.correspondence.labels.labeling import SAME_SCALE, labeling_problem
+from sherd.correspondence.placements import anchor_problem
 from sherd.correspondence.question import Question
 from sherd.correspondence.working_placement import WorkingPlacement
 from sherd.descriptors.rotation_shot import pooled_similarity, similarity, trusted_equally
 from sherd.surface.described import RADII, DescribedSurface
-from sherd.surface.transformed import coarsely_labeled
+from sherd.surface.transformed import coarsely_labeled, mirrored
 
 __all__ = [
     "FEATURELESS",
     "FEATURES",
     "belonging_chance",
     "first_energy_ratio",
+    "mirrored_energy_ratio",
     "placement_chance",
     "placement_features",
     "self_likeness",
@@ -110,6 +114,20 @@ def first_energy_ratio(
     question = Question(coarsely_labeled(full), part, SAME_SCALE)
     problem = labeling_problem(question, similar, rng)
     return first_labeling(problem).energy / max(chance_energy(problem, rng), 1e-12)
+
+
+def mirrored_energy_ratio(questions: Sequence[Question], seed: int) -> float:
+    """The least energy of first labelings of mirror images, over what it would be by chance.
+
+    Of a left leg asked about a right one this is far lower than that of the leg itself.
+    """
+    ratios = []
+    for question in questions:
+        image = question.with_part(mirrored(question.part))
+        problem = anchor_problem(image, np.random.default_rng(seed))
+        by_chance = chance_energy(problem, np.random.default_rng(seed))
+        ratios.append(first_labeling(problem).energy / max(by_chance, 1e-12))
+    return float(min(ratios))
 
 
 def belonging_chance(ratio: float, share: float) -> float:

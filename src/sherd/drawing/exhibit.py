@@ -292,6 +292,12 @@ class Exhibit:
         it is turned toward its place first.
     part_numbers
         (n_part,) what vertices of the part are called; by their number when None.
+    full_before
+        (n, 3) where the vertices of the full shape were, if the page shall have a slider from there
+        to where they are.
+    overlaid
+        Whether both shapes lie in one coordinate system, so that the part can be drawn over the
+        full shape.
     takes_hints
         Whether landmarks, and regions to ignore, can be given to the same question: the page then
         has tools for them.
@@ -325,6 +331,8 @@ class Exhibit:
     part_stands: bool = False
     part_numbers: Ints | None = None
     takes_hints: bool = False
+    full_before: Floats | None = None
+    overlaid: bool = False
 
     def __post_init__(self) -> None:
         anchors = np.empty((0, 2)) if self.anchors is None else np.asarray(self.anchors)
@@ -342,6 +350,11 @@ class Exhibit:
                         f"layer {layer.name!r} has {len(layer.values)} values, "
                         f"but {mesh.name} has {mesh.vertex_count} vertices"
                     )
+        before = self.full_before
+        if before is not None and before.shape != self.full.vertices.shape:
+            raise InvalidMeshError(
+                f"full_before has shape {before.shape}, but {self.full.vertices.shape} is needed"
+            )
         for partner in (self.partner, *(placement.partner for placement in self.alternatives)):
             self._check_partner(partner)
         region = self._region()

@@ -16,7 +16,7 @@ from sherd.errors import OptionError
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.report.files import layer_values
 
-__all__ = ["PaintedShape", "glb_scene"]
+__all__ = ["Buffer", "PaintedShape", "glb_bytes", "glb_scene", "painted_mesh"]
 
 PaintedShape = tuple[TriangleMesh, tuple[Layer, ...], Layer | None]
 
@@ -54,17 +54,23 @@ def glb_scene(full: PaintedShape, part: PaintedShape) -> bytes:
     ----------
     Khronos, *glTF 2.0 specification*: 3.7.2 (meshes; COLOR_0 is linear, not sRGB), 4.4 (GLB).
     """
-    buffer = _Buffer()
+    buffer = Buffer()
     names, shapes = ("full", "part"), (full, part)
-    meshes = [_mesh(buffer, name, *shape) for name, shape in zip(names, shapes, strict=True)]
+    meshes = [painted_mesh(buffer, name, *shape) for name, shape in zip(names, shapes, strict=True)]
+    nodes = [
+        {"name": "full", "mesh": 0},
+        {"name": "part", "mesh": 1, "translation": _beside(full[0], part[0])},
+    ]
+    return glb_bytes(buffer, meshes, nodes)
+
+
+def glb_bytes(buffer: Buffer, meshes: list[dict[str, Any]], nodes: list[dict[str, Any]]) -> bytes:
+    """The file of a scene with all of these nodes, whose arrays are in the buffer."""
     header = {
         "asset": {"version": "2.0", "generator": "sherd"},
         "scene": 0,
-        "scenes": [{"nodes": [0, 1]}],
-        "nodes": [
-            {"name": "full", "mesh": 0},
-            {"name": "part", "mesh": 1, "translation": _beside(full[0], part[0])},
-        ],
+        "scenes": [{"nodes": list(range(len(nodes)))}],
+        "nodes": nodes,
         "meshes": meshes,
         "materials": [MATERIAL],
         "accessors": buffer.accessors,
@@ -76,7 +82,7 @@ def glb_scene(full: PaintedShape, part: PaintedShape) -> bytes:
     return struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks
 
 
-class _Buffer:
+class Buffer:
     """Arrays one after the other, and where each is; all are of four-byte numbers, so aligned."""
 
     def __init__(self) -> None:
@@ -107,23 +113,33 @@ class _Buffer:
         self.content += data
         return len(self.accessors) - 1
 
+    def add_boxed(self, places: NDArray[np.float32]) -> int:
+        """The same of positions (n, 3), with the box of exactly the numbers that are stored."""
+        number = self.add(places)
+        self.accessors[number] |= {
+            "min": places.min(axis=0).tolist(),
+            "max": places.max(axis=0).tolist(),
+        }
+        return number
 
-def _mesh(
-    buffer: _Buffer,
+
+def painted_mesh(
+    buffer: Buffer,
     name: str,
     mesh: TriangleMesh,
     layers: tuple[Layer, ...],
     painted: Layer | None,
 ) -> dict[str, Any]:
+    """The mesh of a glTF document, its arrays added to the buffer.
+
+    Raises
+    ------
+    OptionError
+        If coordinates are too large for single precision, or two layers have the same name.
+    """
     if np.abs(mesh.vertices).max() > LARGEST_SINGLE:
         raise OptionError("coordinates are too large for .glb files; write a .ply file")
-    places = mesh.vertices.astype(np.float32)
-    attributes = {"POSITION": buffer.add(places)}
-    # readers need the box of exactly the numbers that are stored
-    buffer.accessors[-1] |= {
-        "min": places.min(axis=0).tolist(),
-        "max": places.max(axis=0).tolist(),
-    }
+    attributes = {"POSITION": buffer.add_boxed(mesh.vertices.astype(np.float32))}
     attributes["NORMAL"] = buffer.add(_unit_normals(mesh))
     colors = layer_colors(painted, mesh.vertex_count)
     attributes["COLOR_0"] = buffer.add(linear_from_srgb(colors))

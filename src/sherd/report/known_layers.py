@@ -45,6 +45,22 @@ _KNOWN: dict[str, dict[str, Any]] = {
     },
     "matched": {"kind": "mask", "description": "Has a partner."},
     "shared": {"kind": "mask", "description": "The other shape has this place too."},
+    "seen": {"kind": "mask", "description": "Lies on the scan; elsewhere the pose is a guess."},
+    "chance": {
+        "range": (0.0, 1.0),
+        "color_map": "lagoon",
+        "description": "That the fit is near the truth there; see result.json for how near.",
+    },
+    "strain": {
+        "range": (0.0, 0.3),
+        "color_map": "ember",
+        "description": "How far edges differ from the full shape's, bending and size aside.",
+    },
+    "size": {
+        "range": (0.5, 1.5),
+        "color_map": "balance",
+        "description": "How many times larger the full shape was made.",
+    },
     "distortion": {
         "range": (-0.3, 0.3),
         "color_map": "balance",

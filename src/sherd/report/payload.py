@@ -99,6 +99,8 @@ def payload(thinned: Thinned, staging: Staging) -> tuple[dict[str, Any], str]:
     """Everything the page draws: a description for JSON, and the packed arrays as base64."""
     exhibit, block = thinned.exhibit, Block()
     full = _shape(block, exhibit.full, (thinned.full_numbers, thinned.full_owners), np.eye(3))
+    if exhibit.full_before is not None:
+        full["before"] = _box(block, exhibit.full_before)
     part_counting = _part_numbers(thinned), thinned.part_owners
     part = _shape(block, exhibit.part, part_counting, staging.part_rotation)
     best: dict[str, Any] = {
@@ -135,6 +137,7 @@ def payload(thinned: Thinned, staging: Staging) -> tuple[dict[str, Any], str]:
         "verdict": None if exhibit.verdict is None else asdict(exhibit.verdict),
         "command": exhibit.command,
         "takesHints": exhibit.takes_hints,
+        "overlaid": exhibit.overlaid,
         "landmarks": [[int(part), int(full)] for part, full in exhibit.landmarks],
         "ignored": [int(vertex) for vertex in exhibit.ignored],
         "colors": {
@@ -157,25 +160,27 @@ def _shape(
     rotation: Floats,
 ) -> dict[str, Any]:
     numbers, owners = counting
-    low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
-    extent = float((high - low).max()) or 1.0
-    columns = [
-        block.add(quantized(mesh.vertices[:, axis], low[axis], low[axis] + extent), 2)
-        for axis in range(3)
-    ]
     return {
         "name": mesh.name,
         "shown": mesh.vertex_count,
-        "low": low.tolist(),
-        "high": high.tolist(),
-        "extent": extent,
-        "positions": columns,
+        **_box(block, mesh.vertices),
         "faces": block.add(mesh.faces, 4),
         "numbers": None if numbers is None else block.add(numbers, 4),
         "owners": None if owners is None else block.add(owners, 4),
         "orientation": orientation(mesh),
         "rotation": rotation.ravel().tolist(),
     }
+
+
+def _box(block: Block, vertices: Floats) -> dict[str, Any]:
+    """Positions (n, 3), and the box that their codes are shares of."""
+    low, high = vertices.min(axis=0), vertices.max(axis=0)
+    extent = float((high - low).max()) or 1.0
+    columns = [
+        block.add(quantized(vertices[:, axis], low[axis], low[axis] + extent), 2)
+        for axis in range(3)
+    ]
+    return {"low": low.tolist(), "high": high.tolist(), "extent": extent, "positions": columns}
 
 
 def _part_numbers(thinned: Thinned) -> Ints | None:

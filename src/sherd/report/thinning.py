@@ -82,6 +82,9 @@ def thinned(exhibit: Exhibit, *, largest: int = LARGEST_SHOWN) -> Thinned:
             for place in exhibit.alternatives
         ),
         region=_picked_mask(exhibit.region, full_numbers),
+        full_before=exhibit.full_before
+        if exhibit.full_before is None or full_numbers is None
+        else exhibit.full_before[full_numbers],
     )
     counts = [
         f"{mesh.vertex_count:,} of the {before.vertex_count:,} vertices of {before.name}"

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import os
-from typing import Any
+from collections.abc import Callable
+from typing import Any, TypeAlias
 
 from sherd.arrays import Floats
 from sherd.drawing.picture import picture, png_bytes, stage
 from sherd.errors import InputError
 from sherd.report.exports import exported
+from sherd.report.fitted.fit_report import fit_report
 from sherd.report.frame import Report
 from sherd.report.html import page
 from sherd.report.locate_report import locate_report
@@ -19,6 +21,7 @@ from sherd.report.puzzle.assembly_report import assembly_report
 from sherd.report.puzzle.joined_report import joined_report
 from sherd.report.stored.folder import plain
 from sherd.result_folder import ResultFolder, kind_of, replaceable_files
+from sherd.results.fitted.fit_result import Fit
 from sherd.results.locate_result import LocateResult
 from sherd.results.many.identification import Identification
 from sherd.results.match_result import MatchResult
@@ -29,9 +32,11 @@ from sherd.threads import begun
 
 __all__ = ["report_of", "write_report"]
 
+Result: TypeAlias = MatchResult | LocateResult | Overlap | Assembly | Joined | Identification | Fit
+
 
 def write_report(
-    result: MatchResult | LocateResult | Overlap | Assembly | Joined | Identification,
+    result: Result,
     folder: str | os.PathLike[str],
     *,
     command: str = "",
@@ -45,7 +50,7 @@ def write_report(
     ----------
     result
         Of :func:`sherd.match`, :func:`sherd.locate`, :func:`sherd.overlap`,
-        :func:`sherd.assemble`, :func:`sherd.join` or :func:`sherd.identify`.
+        :func:`sherd.assemble`, :func:`sherd.join`, :func:`sherd.identify` or :func:`sherd.fit`.
     folder
         Made when missing. An older result of the same command for shapes of the same names is
         replaced, and those of its files that the new result does not have are removed.
@@ -104,7 +109,7 @@ def write_report(
 
 
 def report_of(
-    result: MatchResult | LocateResult | Overlap | Assembly | Joined | Identification,
+    result: Result,
     *,
     command: str = "",
     errors: Floats | None = None,
@@ -112,19 +117,21 @@ def report_of(
     """What there is to write of a result, and to show."""
     if isinstance(result, MatchResult):
         return match_report(result, command=command, errors=errors)
-    if not isinstance(result, LocateResult | Overlap | Assembly | Joined | Identification):
+    if type(result) not in _REPORTS:
         raise InputError(
-            f"a {type(result).__name__} is no result of match, locate, overlap, assemble or "
-            "identify"
+            f"a {type(result).__name__} is no result of match, locate, overlap, assemble, identify "
+            "or fit"
         )
     if errors is not None:
         raise InputError("errors are of the points of a match; a region has none")
-    if isinstance(result, Identification):
-        return identify_report(result, command=command)
-    if isinstance(result, Overlap):
-        return overlap_report(result, command=command)
-    if isinstance(result, Joined):
-        return joined_report(result, command=command)
-    if isinstance(result, Assembly):
-        return assembly_report(result, command=command)
-    return locate_report(result, command=command)
+    return _REPORTS[type(result)](result, command=command)
+
+
+_REPORTS: dict[type, Callable[..., Report]] = {
+    Assembly: assembly_report,
+    Fit: fit_report,
+    Identification: identify_report,
+    Joined: joined_report,
+    LocateResult: locate_report,
+    Overlap: overlap_report,
+}

@@ -166,6 +166,8 @@ class OverlapDoubts:
         Whether anything is shared.
     checked
         Whether the answer passes the check that is re-derived from the meshes.
+    twin
+        Whether the mirror image of one shape is more alike the other.
     scale_bound
         The scale, if it stands at its bound.
     scale_rival
@@ -177,6 +179,7 @@ class OverlapDoubts:
     chance: float = 1.0
     shared: bool = True
     checked: bool = True
+    twin: bool = False
     scale_bound: float | None = None
     scale_rival: float | None = None
     unfollowed: tuple[UnfollowedLandmark, ...] = ()
@@ -189,6 +192,7 @@ class OverlapDoubts:
         doubtful = (
             self.chance < SURE
             or not self.checked
+            or self.twin
             or self.scale_bound is not None
             or self.scale_rival is not None
             or self.unfollowed
@@ -210,6 +214,11 @@ class OverlapDoubts:
             )
         if not self.checked:
             said.append("areas, or there and back, do not agree; look at both shapes in the report")
+        if self.twin:
+            said.append(
+                "the mirror image of one is more alike the other, as a left limb and a right one "
+                "are; look at both, or give landmarks"
+            )
         said += _said_of_scale(self.scale_bound, self.scale_rival, FACTOR)
         if self.unfollowed:
             said.append(_said_of_landmarks(self.unfollowed))

@@ -19,6 +19,7 @@ from sherd.mesh.triangle_mesh import TriangleMesh
 __all__ = [
     "Labels",
     "Matched",
+    "checked_vertices",
     "field_to_full",
     "field_to_part",
     "labels_to_full",
@@ -109,7 +110,7 @@ def landmarks_to_full(result: Matched, vertices: ArrayLike) -> SurfacePoints:
     InvalidMeshError
         If a vertex does not exist.
     """
-    return result.points[_checked_vertices(vertices, result.part, "part")]
+    return result.points[checked_vertices(vertices, result.part, "part")]
 
 
 def landmarks_to_part(result: Matched, vertices: ArrayLike) -> tuple[SurfacePoints, Floats]:
@@ -118,7 +119,7 @@ def landmarks_to_part(result: Matched, vertices: ArrayLike) -> tuple[SurfacePoin
     The second array (p,) is the distance on the full shape between the landmark and the image of
     the answer, in units of sqrt(area of the full shape): large where the part lacks the landmark.
     """
-    wanted = _checked_vertices(vertices, result.full, "full shape")
+    wanted = checked_vertices(vertices, result.full, "full shape")
     points, distances = _on_image(result, result.full.vertices[wanted])
     return points, distances / result.full.length
 
@@ -198,7 +199,14 @@ def _checked_labels(labels: ArrayLike, mesh: TriangleMesh, shape: str) -> Labels
     return whole
 
 
-def _checked_vertices(vertices: ArrayLike, mesh: TriangleMesh, shape: str) -> Ints:
+def checked_vertices(vertices: ArrayLike, mesh: TriangleMesh, shape: str) -> Ints:
+    """Vertices (p,) that exist in `mesh`, which messages call `shape`.
+
+    Raises
+    ------
+    InvalidMeshError
+        If one does not.
+    """
     wanted = np.atleast_1d(np.asarray(vertices, dtype=np.int64))
     bad = (wanted < 0) | (wanted >= mesh.vertex_count)
     if bad.any():

@@ -13,6 +13,7 @@ from sherd.benchmark.region import region_benchmark, region_table
 from sherd.benchmark.robustness import RobustnessRow, robustness, robustness_commands
 from sherd.benchmark.size import SIZES, size_benchmark, size_table
 from sherd.benchmark.speed import WORKS, speed_benchmark, speed_table
+from sherd.cli.bench.fit import fit_bench_command
 from sherd.cli.bench.many import identify_bench_command, skulls_command
 from sherd.cli.bench.match import faust_command, shrec16_command, smal_match_command
 from sherd.cli.bench.overlap import (
@@ -41,7 +42,7 @@ def bench_group() -> None:
 for command in (
     shrec16_command, faust_command, smal_match_command, cp2p_command, smal_command,
     singleview_command, belonging_command, puzzle_command, join_command,
-    identify_bench_command, skulls_command,
+    identify_bench_command, skulls_command, fit_bench_command,
 ):  # fmt: skip
     bench_group.add_command(command)
 

@@ -15,12 +15,14 @@ from sherd.result_folder import RESULT, inside_name
 
 __all__ = [
     "ASSEMBLY_FORMAT",
+    "FIT_FORMAT",
     "JOINED_FORMAT",
     "MATCH_FORMAT",
     "OVERLAP_FORMAT",
     "REGION_FORMAT",
     "folder_problems",
     "plain",
+    "result_format",
 ]
 
 # Of result.json; raise the number when a field changes its meaning.
@@ -29,6 +31,7 @@ REGION_FORMAT = "sherd region 1"
 OVERLAP_FORMAT = "sherd overlap 1"
 ASSEMBLY_FORMAT = "sherd assembly 1"
 JOINED_FORMAT = "sherd assembly-alone 1"
+FIT_FORMAT = "sherd fit 1"
 
 
 def folder_problems(folder: str | os.PathLike[str]) -> tuple[str, ...]:
@@ -52,6 +55,15 @@ def folder_problems(folder: str | os.PathLike[str]) -> tuple[str, ...]:
         elif _sha256(file) != expected:
             problems.append(f"{name} does not belong to this {RESULT}; run again")
     return tuple(problems)
+
+
+def result_format(folder: str | os.PathLike[str]) -> str:
+    """What a folder holds, as its ``result.json`` says; empty if it says nothing."""
+    try:
+        result = json.loads((Path(folder) / RESULT).read_text(encoding="utf-8"))
+        return str(result["format"])
+    except (OSError, ValueError, KeyError, TypeError):
+        return ""
 
 
 def plain(value: Any) -> Any:

@@ -18,9 +18,11 @@ from sherd.errors import InputError, SherdError
 from sherd.files.mesh_files import read_mesh
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
+from sherd.report.fitted.fit_report import fitted_exhibit
 from sherd.report.known_layers import file_layers, located_part_layers, stored_layers
 from sherd.report.stored.folder import (
     ASSEMBLY_FORMAT,
+    FIT_FORMAT,
     JOINED_FORMAT,
     MATCH_FORMAT,
     OVERLAP_FORMAT,
@@ -28,6 +30,7 @@ from sherd.report.stored.folder import (
     folder_problems,
 )
 from sherd.report.stored.stored_assembly import assembly_exhibit, joined_stored_exhibit
+from sherd.report.stored.stored_fit import read_fit
 from sherd.report.stored.stored_match import read_match
 from sherd.results.status import Status
 
@@ -59,13 +62,17 @@ def read_exhibit(folder: str | os.PathLike[str]) -> Exhibit:
             return _overlap_exhibit(path, document)
         if kind == ASSEMBLY_FORMAT:
             return assembly_exhibit(path, document)
+        if kind == FIT_FORMAT:
+            return fitted_exhibit(read_fit(path), document)
         if kind == JOINED_FORMAT:
             return joined_stored_exhibit(path, document)
     except SherdError:
         raise
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise InputError(f"{path}: cannot be read as a result ({error}); run again") from error
-    raise InputError(f"{path}: holds {kind!r}, no result of match, locate, overlap or assemble")
+    raise InputError(
+        f"{path}: holds {kind!r}, no result of match, locate, overlap, assemble or fit"
+    )
 
 
 def _match_exhibit(path: Path, document: Mapping[str, Any]) -> Exhibit:

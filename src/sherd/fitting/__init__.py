@@ -1,0 +1,1 @@
+"""The full shape laid onto its pieces: targets, deformation, checks, completion."""

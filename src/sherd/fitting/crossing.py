@@ -1,0 +1,126 @@
+"""A fit whose limbs went through each other, pushed apart as far as elasticity allows."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from sherd.arrays import Bools, Floats, Ints
+from sherd.fitting.as_rigid_as_possible import Elasticity, closest_rotations
+from sherd.fitting.deformation import Deformation
+from sherd.fitting.self_intersection import intersecting_faces, intersecting_pairs
+from sherd.mesh.geometry import closest_rotation, face_areas, face_normals
+from sherd.mesh.topology import component_labels
+
+__all__ = ["without_new_crossings"]
+
+# Shares of their own turning that crossing regions are turned back by, the least first.
+SHARES = (0.25, 0.5, 0.75, 1.0)
+# Each round pushes by what is crossed, and a limb is thicker than what crosses first.
+ROUNDS = 6
+# So much more than what is crossed, in mean edges.
+MARGIN = 0.5
+# How firmly what was seen stays, and how firmly the rest is pushed, in sqrt(area) as data terms.
+SEEN_LENGTH, PUSH_LENGTH = 0.002, 0.01
+# Area may differ by so much from what it should be: pushing shall bend limbs, not flatten them.
+AREA_CHANGE = 0.02
+
+
+def without_new_crossings(elasticity: Elasticity, found: Deformation, seen: Bools) -> Deformation:
+    """The same, or with fewer faces that pierce others and did not in the full shape.
+
+    First, hidden regions that cross something turn back toward where they are beside the whole in
+    the full shape, where they crossed nothing. Then, where two surfaces still go through each
+    other, the hidden vertices of each that lie behind the other are pushed before it, and what is
+    around follows. What was seen stays. A step is kept only if it leaves fewer crossings and the
+    area.
+    """
+    faces = elasticity.mesh.faces
+    before = intersecting_faces(elasticity.rest, faces)
+    pairs = _new_pairs(found.positions, faces, before)
+    if not len(pairs) or seen.all():
+        return found
+    wanted = elasticity.mesh.face_areas @ (found.sizes[faces] ** 2).mean(axis=1)
+    best, least = found, pairs
+
+    def off(step: Deformation) -> float:
+        return abs(float(face_areas(step.positions, faces).sum() / wanted) - 1)
+
+    most = max(off(found), AREA_CHANGE)
+
+    def kept(step: Deformation) -> bool:
+        nonlocal best, least
+        crossing = _new_pairs(step.positions, faces, before)
+        fewer = len(np.unique(crossing)) < len(np.unique(least))
+        if fewer and off(step) <= most:
+            best, least = step, crossing
+        return len(crossing) > 0
+
+    turning = _turning_back(elasticity, found, pairs, seen)
+    for share in SHARES:
+        if not kept(turning(share)):
+            return best
+    now = best
+    for _ in range(ROUNDS):
+        pairs = _new_pairs(now.positions, faces, before)
+        if not len(pairs):
+            break
+        now = _pushed(elasticity, now, pairs, seen)
+        kept(now)
+    return best
+
+
+def _turning_back(
+    elasticity: Elasticity, found: Deformation, pairs: Ints, seen: Bools
+) -> Callable[[float], Deformation]:
+    """The deformation, its crossing hidden regions turned back by a share of what they turned."""
+    faces, rest, hidden = elasticity.mesh.faces, elasticity.rest, ~seen
+    inside = faces[hidden[faces].all(axis=1)]
+    labels = component_labels(inside, len(rest)) if len(inside) else np.arange(len(rest))
+    corners = faces[np.unique(pairs)].ravel()
+    crossing = hidden & np.isin(labels, labels[corners[hidden[corners]]])
+    weights = elasticity.areas * seen
+    whole = closest_rotation(rest, found.positions, weights)
+    pulls = np.where(seen, elasticity.areas / SEEN_LENGTH**2, 0.0)
+    relaxed = elasticity.relaxation(pulls)
+
+    def turned(share: float) -> Deformation:
+        mixed = (1 - share) * found.rotations + share * whole
+        rotations = np.where(crossing[:, None, None], closest_rotations(mixed), found.rotations)
+        step = replace(found, rotations=rotations)
+        return replace(step, positions=relaxed(step.turns, found.positions, found.positions))
+
+    return turned
+
+
+def _new_pairs(positions: Floats, faces: Ints, before: Bools) -> Ints:
+    pairs = intersecting_pairs(positions, faces)
+    fresh: Ints = pairs[~before[pairs].any(axis=1)]
+    return fresh
+
+
+def _pushed(elasticity: Elasticity, now: Deformation, pairs: Ints, seen: Bools) -> Deformation:
+    faces = elasticity.mesh.faces
+    normals = face_normals(now.positions, faces)
+    margin = MARGIN * elasticity.mesh.mean_edge_length
+    push = np.zeros_like(now.positions)
+    largest = np.zeros(len(push))
+    for one, other in (pairs.T, pairs[:, ::-1].T):
+        for corner in range(3):
+            vertex = faces[one, corner]
+            center = now.positions[faces[other]].mean(axis=1)
+            behind = ((center - now.positions[vertex]) * normals[other]).sum(axis=1)
+            for k in np.flatnonzero((behind > 0) & ~seen[vertex]):
+                if behind[k] > largest[vertex[k]]:
+                    largest[vertex[k]] = behind[k]
+                    push[vertex[k]] = (behind[k] + margin) * normals[other[k]]
+    pushed = largest > 0
+    pulls = elasticity.areas * np.where(seen, 1.0 / SEEN_LENGTH**2, 0.0)
+    pulls = np.where(pushed, elasticity.areas / PUSH_LENGTH**2, pulls)
+    positions = elasticity.relaxation(pulls)(now.turns, now.positions + push, now.positions)
+    # what was pushed turns with its surroundings, what was seen does not
+    turned = elasticity.fitted_rotations(positions)
+    rotations = np.where(seen[:, None, None], now.rotations, turned)
+    return replace(now, positions=positions, rotations=rotations)

@@ -1,0 +1,189 @@
+"""Deformation: the full shape in the pose of its pieces, from a coarse mesh to its own."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import TypeAlias
+
+import numpy as np
+
+from sherd.arrays import Bools, Floats
+from sherd.fitting.as_rigid_as_possible import Elasticity, closest_rotations
+from sherd.fitting.chance import distances_beyond
+from sherd.fitting.scan_surface import ScanSurface
+from sherd.fitting.sizes import sizes_of
+from sherd.fitting.targets import Targets
+from sherd.mesh.geometry import closest_rotation
+from sherd.mesh.surface_points import SurfacePoints
+from sherd.mesh.triangle_mesh import TriangleMesh
+
+__all__ = ["Deformation", "carried_up", "coarse_deformation", "fine_deformation"]
+
+# All lengths are in units of sqrt(area of the full shape). Data terms are areas over squared
+# lengths: below such a length elasticity decides, above it the data. Places of a map are good to
+# 0.005 to 0.01.
+MAP_LENGTH = 0.01
+# A surface is followed down to the size of a triangle.
+SURFACE_LENGTH = 0.005
+# Places farther than this from where their neighbors draw them are wrong, not noisy.
+MAP_LIMIT = 0.03
+# Rotations are averaged over so much of what is seen. Beyond, first over as much, so that the bend
+# at the cut goes on as what lies on both sides of it asks for; with each step away over more, up to
+# the length of a limb, which thus stays in one piece.
+SEEN_LENGTH, LARGEST_LENGTH = 0.03, 0.5
+# What the edges of a hidden vertex say of its rotation, beside those of a seen one: near the cut as
+# much, and so much far from it, where positions follow from rotations rather than the reverse.
+FAR_CERTAINTY, NEAR_CUT = 0.02, 0.05
+# Rotations to begin with, of places that were not averaged yet.
+FIRST_LENGTH = 0.05
+MAP_ROUNDS, SURFACE_ROUNDS, FINE_ROUNDS = 8, 4, 2
+
+Smoothing: TypeAlias = Callable[[Floats, Floats], Floats]
+
+
+@dataclass(frozen=True, eq=False)
+class Deformation:
+    """The full shape laid onto its pieces, in units of sqrt(its area).
+
+    Attributes
+    ----------
+    positions
+        (n, 3) in the frame of the pieces.
+    rotations
+        (n, 3, 3) from the frame of the full shape.
+    sizes
+        (n,) how many times longer the surface is there.
+    """
+
+    positions: Floats
+    rotations: Floats
+    sizes: Floats
+
+    @property
+    def turns(self) -> Floats:
+        """(n, 3, 3) rotations times sizes."""
+        turns: Floats = self.sizes[:, None, None] * self.rotations
+        return turns
+
+
+def coarse_deformation(
+    elasticity: Elasticity, targets: Targets, scan: ScanSurface, *, sized: bool
+) -> Deformation:
+    """The shape drawn to its targets, then to the surface of the pieces.
+
+    Parameters
+    ----------
+    elasticity
+        Of the full shape, n vertices, a mesh of moderate size.
+    targets
+        For its vertices.
+    scan
+        The surface of the pieces.
+    sized
+        Whether the full shape may be locally larger or smaller than the pieces.
+    """
+    now = _rigid(elasticity, targets)
+    # positions that are the targets themselves tell rotations at once, where all around is seen
+    inner = targets.seen & (elasticity.springs @ (~targets.seen).astype(np.float64) == 0)
+    drawn = np.where(targets.seen[:, None], targets.positions, now.positions)
+    first = elasticity.smoothing(inner.astype(np.float64), np.full(len(inner), FIRST_LENGTH))
+    now = replace(now, rotations=_smooth_rotations(elasticity, drawn, now.rotations, first))
+    smoothing = _rotation_smoothing(elasticity, targets.seen)
+    pulls = elasticity.areas * targets.confidence / MAP_LENGTH**2
+    for step in range(MAP_ROUNDS):
+        firm = pulls if step == 0 else pulls * _inliers(now.positions, targets.positions)
+        now = _relaxed(elasticity, now, firm, targets.positions)
+        if sized and step >= MAP_ROUNDS // 2:
+            now = replace(now, sizes=sizes_of(elasticity, now.positions, targets.confidence))
+        now = _turned(elasticity, now, smoothing)
+    for _ in range(SURFACE_ROUNDS):
+        now = _turned(elasticity, _onto_surface(elasticity, now, targets, scan), smoothing)
+    return now
+
+
+def _turned(elasticity: Elasticity, now: Deformation, smoothing: Smoothing) -> Deformation:
+    rotations = _smooth_rotations(elasticity, now.positions, now.rotations, smoothing)
+    return replace(now, rotations=rotations)
+
+
+def carried_up(
+    coarse: TriangleMesh, deformation: Deformation, own: SurfacePoints, vertices: Floats
+) -> Deformation:
+    """A deformation of a coarse mesh for vertices (n, 3) that lie at the points `own` of it.
+
+    Each corner moves the vertex rigidly with itself; the weights of its point blend.
+    """
+    corners = coarse.faces[own.faces]
+    weights = own.barycentric
+    turns = deformation.turns[corners]
+    arms = vertices[:, None, :] - coarse.vertices[corners]
+    moved = deformation.positions[corners] + np.einsum("nkij,nkj->nki", turns, arms)
+    rotations = np.einsum("nk,nkij->nij", weights, deformation.rotations[corners])
+    return Deformation(
+        np.einsum("nk,nki->ni", weights, moved),
+        closest_rotations(rotations),
+        np.einsum("nk,nk->n", weights, deformation.sizes[corners]),
+    )
+
+
+def fine_deformation(
+    elasticity: Elasticity, start: Deformation, targets: Targets, scan: ScanSurface
+) -> Deformation:
+    """The shape itself, near `start`, drawn to the surface of the pieces."""
+    now = start
+    for _ in range(FINE_ROUNDS):
+        now = _onto_surface(elasticity, now, targets, scan)
+    return now
+
+
+def _rigid(elasticity: Elasticity, targets: Targets) -> Deformation:
+    """The whole moved as one body: what nothing is known about stays so."""
+    rest, weights = elasticity.rest, elasticity.areas * targets.confidence
+    rotation = closest_rotation(rest, targets.positions, weights)
+    before = np.average(rest, axis=0, weights=weights)
+    after = np.average(targets.positions, axis=0, weights=weights)
+    count = len(rest)
+    return Deformation(
+        (rest - before) @ rotation.T + after, np.tile(rotation, (count, 1, 1)), np.ones(count)
+    )
+
+
+def _rotation_smoothing(elasticity: Elasticity, seen: Bools) -> Smoothing:
+    """Smooths rotations that the edges around each vertex (n,) tell, best where it is seen."""
+    beyond = np.minimum(distances_beyond(elasticity.mesh, seen), LARGEST_LENGTH)
+    certainty = FAR_CERTAINTY + (1 - FAR_CERTAINTY) * np.exp(-beyond / NEAR_CUT)
+    return elasticity.smoothing(certainty, np.minimum(SEEN_LENGTH + beyond, LARGEST_LENGTH))
+
+
+def _smooth_rotations(
+    elasticity: Elasticity, positions: Floats, before: Floats, smoothing: Smoothing
+) -> Floats:
+    fitted = elasticity.fitted_rotations(positions)
+    smooth = smoothing(fitted.reshape(-1, 9), before.reshape(-1, 9))
+    return closest_rotations(smooth.reshape(-1, 3, 3))
+
+
+def _relaxed(
+    elasticity: Elasticity, now: Deformation, pulls: Floats, positions: Floats
+) -> Deformation:
+    relaxed = elasticity.relaxation(pulls)(now.turns, positions, now.positions)
+    return replace(now, positions=relaxed)
+
+
+def _inliers(positions: Floats, targets: Floats) -> Floats:
+    """Weights (n,) of Geman and McClure: near 1 for noise, near 0 for what is wrong."""
+    off = ((positions - targets) ** 2).sum(axis=1)
+    weights: Floats = 1.0 / (1.0 + off / MAP_LIMIT**2) ** 2
+    return weights
+
+
+def _onto_surface(
+    elasticity: Elasticity, now: Deformation, targets: Targets, scan: ScanSurface
+) -> Deformation:
+    """One step toward the closest points of the pieces; where there are none, toward the map."""
+    feet, found = scan.feet(now.positions, elasticity.mesh.faces)
+    found &= targets.seen
+    firm = targets.confidence * _inliers(now.positions, targets.positions) / MAP_LENGTH**2
+    pulls = elasticity.areas * np.where(found, 1.0 / SURFACE_LENGTH**2, firm)
+    return _relaxed(elasticity, now, pulls, np.where(found[:, None], feet, targets.positions))

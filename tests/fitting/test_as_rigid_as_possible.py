@@ -1,0 +1,78 @@
+"""The elastic shape: what it leaves alone, what it minimizes, how rotations and sizes go on."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from sherd.fitting.as_rigid_as_possible import Elasticity
+from sherd.fitting.sizes import STRETCH, sizes_of
+
+TURN = Rotation.from_rotvec([0.3, -0.8, 0.5]).as_matrix()
+
+
+@pytest.fixture(scope="module")
+def elasticity(exhibit) -> Elasticity:
+    full = exhibit.full
+    return Elasticity(full.with_vertices(full.vertices / full.length))
+
+
+def energy(elasticity, positions, turns, pulls, targets) -> float:
+    """The formula of the module, edge by edge."""
+    pointers, neighbors, weights, rest = elasticity.surface
+    total = float((pulls * ((positions - targets) ** 2).sum(axis=1)).sum())
+    for i in range(len(rest)):
+        for entry in range(pointers[i], pointers[i + 1]):
+            j = neighbors[entry]
+            mean = 0.5 * (turns[i] + turns[j])
+            off = positions[i] - positions[j] - mean @ (rest[i] - rest[j])
+            total += 0.5 * weights[entry] * float(off @ off)
+    return total
+
+
+def test_a_turned_and_sized_shape_has_no_strain(elasticity) -> None:
+    moved = 1.2 * elasticity.rest @ TURN.T + [1.0, 2.0, 3.0]
+    rotations = elasticity.fitted_rotations(moved)
+    assert np.allclose(rotations, TURN, atol=1e-9)
+    assert np.allclose(elasticity.fitted_sizes(moved), 1.2)
+    assert elasticity.strains(moved, 1.2 * rotations).max() < 1e-9
+    assert elasticity.strains(moved, rotations) == pytest.approx(0.2)
+
+
+def test_relaxation_is_where_the_energy_is_least(elasticity) -> None:
+    rng = np.random.default_rng(3)
+    count = len(elasticity.rest)
+    turns = np.einsum("n,nij->nij", rng.uniform(0.9, 1.1, count), np.tile(TURN, (count, 1, 1)))
+    pulls = rng.uniform(0, 5, count) * (rng.random(count) < 0.3)
+    targets = elasticity.rest + 0.1 * rng.normal(size=(count, 3))
+    least = elasticity.relaxation(pulls)(turns, targets, elasticity.rest)
+    lowest = energy(elasticity, least, turns, pulls, targets)
+    step = 1e-3 * rng.normal(size=(count, 3))
+    ahead = energy(elasticity, least + step, turns, pulls, targets)
+    behind = energy(elasticity, least - step, turns, pulls, targets)
+    assert ahead > lowest
+    assert abs(ahead - behind) < 1e-3 * (ahead + behind - 2 * lowest)  # the slope is zero
+
+
+def test_smoothing_keeps_constants_and_continues_what_is_known(elasticity) -> None:
+    count = len(elasticity.rest)
+    known = (elasticity.rest[:, 0] > 0).astype(float)
+    lengths = np.full(count, 0.1)
+    ones = np.ones((count, 1))
+    assert np.allclose(elasticity.smoothing(known, lengths)(7 * ones, 0 * ones), 7, atol=1e-4)
+    slope = elasticity.rest[:, :1]
+    smooth = elasticity.smoothing(known, lengths)(slope, 0 * ones)[:, 0]
+    beyond = known == 0
+    assert smooth[beyond].max() < slope[~beyond].max()
+    assert smooth[beyond].min() > -0.05  # nothing new beyond the cut
+    nobody = elasticity.smoothing(0 * known, lengths)(7 * ones, 3 * ones)
+    assert np.allclose(nobody, 3, atol=1e-6)
+
+
+def test_a_pose_has_no_size_and_another_body_has(elasticity) -> None:
+    seen = (elasticity.rest[:, 0] > 0).astype(float)
+    stretched = elasticity.rest * [1.0, 1.0 + 0.5 * STRETCH, 1.0]
+    assert np.array_equal(sizes_of(elasticity, stretched, seen), np.ones(len(seen)))
+    sizes = sizes_of(elasticity, 1.5 * elasticity.rest, seen)
+    assert sizes == pytest.approx(1.5, rel=1e-3)

@@ -1,0 +1,87 @@
+"""Limbs that went through each other are pushed apart; a rigid motion crosses nothing."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from sherd.fitting.as_rigid_as_possible import Elasticity, closest_rotations
+from sherd.fitting.crossing import without_new_crossings
+from sherd.fitting.deformation import Deformation
+from sherd.fitting.self_intersection import intersecting_faces
+from sherd.fitting.turned_faces import turned_faces, without_turned_faces
+from sherd.mesh.triangle_mesh import TriangleMesh
+
+
+@pytest.fixture(scope="module")
+def fork() -> tuple[Elasticity, np.ndarray]:
+    """An open tube bent to a U, and which vertices are its base; both ends are limbs."""
+    along, around, radius = 60, 12, 0.7
+    length = np.linspace(-3.0, 3.0, along)
+    angle = np.clip(length / radius, -np.pi / 2, np.pi / 2)
+    rise = np.abs(length - radius * angle)
+    outward = np.stack([np.sin(angle), 0 * angle, -np.cos(angle)], axis=1)
+    center = radius * outward + rise[:, None] * [0.0, 0.0, 1.0]
+    turn = 2 * np.pi * np.arange(around) / around
+    ring = np.cos(turn)[None, :, None] * outward[:, None]
+    ring = ring + np.sin(turn)[None, :, None] * np.array([0.0, 1.0, 0.0])
+    vertices = (center[:, None] + 0.3 * ring).reshape(-1, 3)
+    k, j = np.meshgrid(np.arange(along - 1), np.arange(around), indexing="ij")
+    a, b = around * k + j, around * k + (j + 1) % around
+    c, d = a + around, b + around
+    faces = np.concatenate([np.stack([a, b, d], -1), np.stack([a, d, c], -1)]).reshape(-1, 3)
+    mesh = TriangleMesh(vertices, faces)
+    middle = np.repeat(center, around, axis=0)
+    if (mesh.vertex_normals * (vertices - middle)).sum() < 0:
+        mesh = TriangleMesh(vertices, faces[:, ::-1])
+    mesh = mesh.with_vertices(mesh.vertices / mesh.length)
+    return Elasticity(mesh), np.repeat(np.abs(angle) < 1.2, around)
+
+
+def identity(elasticity: Elasticity, positions: np.ndarray) -> Deformation:
+    count = len(positions)
+    return Deformation(positions, elasticity.fitted_rotations(positions), np.ones(count))
+
+
+def test_crossed_limbs_are_pushed_apart(fork) -> None:
+    elasticity, seen = fork
+    rest, faces = elasticity.rest, elasticity.mesh.faces
+    assert not intersecting_faces(rest, faces).any()
+    reach = np.clip(rest[:, 2] - rest[seen, 2].max(), 0, None) / np.ptp(rest[:, 2])
+    crossed = rest.copy()
+    crossed[:, 0] -= np.sign(rest[:, 0]) * 0.35 * reach
+    before = int(intersecting_faces(crossed, faces).sum())
+    assert before > 0
+    answer = without_new_crossings(elasticity, identity(elasticity, crossed), seen)
+    assert intersecting_faces(answer.positions, faces).sum() < before
+    assert np.abs(answer.positions[seen] - crossed[seen]).max() < 0.01
+
+
+def test_what_crosses_nothing_is_left_alone(fork) -> None:
+    elasticity, seen = fork
+    found = identity(elasticity, elasticity.rest + 1.0)
+    assert without_new_crossings(elasticity, found, seen) is found
+
+
+def test_a_turned_face_is_turned_back(fork) -> None:
+    elasticity, _ = fork
+    faces = elasticity.mesh.faces
+    bad = elasticity.rest.copy()
+    vertex = int(faces[200, 0])
+    ring = np.unique(faces[(faces == vertex).any(axis=1)])
+    bad[vertex] += 3.0 * (bad[ring[ring != vertex][0]] - bad[vertex])  # beyond a neighbor
+    found = identity(elasticity, bad)
+    assert turned_faces(elasticity.rest, bad, found.rotations, faces).any()
+    start = Deformation(bad, np.tile(np.eye(3), (len(bad), 1, 1)), np.ones(len(bad)))
+    mended = without_turned_faces(elasticity, start)
+    rotations = elasticity.fitted_rotations(mended.positions)
+    assert not turned_faces(elasticity.rest, mended.positions, rotations, faces).any()
+
+
+def test_closest_rotations_are_proper_and_undo_stretching() -> None:
+    rng = np.random.default_rng(0)
+    turns = closest_rotations(rng.normal(size=(50, 3, 3)))
+    assert np.allclose(turns @ turns.transpose(0, 2, 1), np.eye(3))
+    assert np.allclose(np.linalg.det(turns), 1)
+    stretched = turns @ np.diag([1.0, 2.0, 3.0])
+    assert np.allclose(closest_rotations(stretched), turns)
