@@ -12,6 +12,7 @@ import pytest
 import trimesh
 from click.testing import CliRunner
 
+import sherd
 from sherd.cli.main import main
 from sherd.files.mesh_files import read_mesh
 from sherd.report.stored.folder import folder_problems
@@ -136,6 +137,23 @@ def test_transfer_marks_landmarks_that_nothing_was_seen_of(folders, tmp_path) ->
     refused = asked("transfer", out, tmp_path / "values.csv", "-o", tmp_path / "n", "--piece", 4)
     assert refused.exit_code == 2
     assert "--piece is 4" in refused.output
+
+
+def test_landmarks_of_other_programs_go_along_a_fit(folders, tmp_path) -> None:
+    match, _, out = folders
+    fitted = read_fit(out)
+    chosen = [int(np.flatnonzero(~fitted.seen)[7]), int(np.flatnonzero(fitted.seen)[7])]
+    given = sherd.Landmarks(["tail", "nose"], match.full.vertices[chosen], space="LPS")
+    sherd.write_landmarks(given, tmp_path / "template.mrk.json")
+    for name in ("scan.mrk.json", "scan.csv"):
+        done = asked("transfer", out, tmp_path / "template.mrk.json", "-o", tmp_path / name)
+        assert done.exit_code == 0, done.output
+    there = sherd.read_landmarks(tmp_path / "scan.mrk.json")
+    assert there.space == "LPS"
+    assert np.allclose(there.positions, fitted.positions[chosen], atol=1e-6)
+    assert [row["extrapolated"] for row in rows(tmp_path / "scan.csv")] == ["1", "0"]
+    words = ("transfer", out, tmp_path / "template.mrk.json", "-o", tmp_path / "n.csv")
+    assert asked(*words, "--to", "full").exit_code == 2
 
 
 @pytest.mark.parametrize(

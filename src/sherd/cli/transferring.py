@@ -10,7 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sherd.arrays import Floats
-from sherd.cli.many.landmarking import mesh_space_option, transferred_landmarks
+from sherd.cli.many.landmarking import (
+    fitted_landmarks,
+    mesh_space_option,
+    transferred_landmarks,
+)
 from sherd.cli.options import quiet_option
 from sherd.cli.tables import columns_of, refuse_repeated, whole_numbers_of
 from sherd.cli.vertex_tables import field_of, labels_of, rows_of_vertices, text_table
@@ -98,17 +102,9 @@ def transfer_command(  # noqa: PLR0913 - one for each word that can be typed
     if mesh_space is not None and not is_landmark_file(values):
         raise click.UsageError("--mesh-space is for landmarks of 3D Slicer")
     if is_landmark_file(values):
-        if fitted is not None:
-            raise click.UsageError(
-                "landmarks of 3D Slicer are carried along a match; of a fit, name vertices: a CSV "
-                "with the columns name,vertex"
-            )
-        single = read_match(folder).with_min_confidence(min_confidence)
-        text = transferred_landmarks(single, values, output, to=to, mesh_space=mesh_space)
-        write_text(output, text)
-        if not quiet:
-            click.echo(f"written: {output}")
-        return 0
+        map_from = fitted or read_match(folder).with_min_confidence(min_confidence)
+        write_text(output, _slicer_landmarks(map_from, values, output, to, mesh_space))
+        return _written(output, quiet=quiet)
     if fitted is None:
         stored: Mapped = read_match(folder).with_min_confidence(min_confidence)
     else:
@@ -123,9 +119,23 @@ def transfer_command(  # noqa: PLR0913 - one for each word that can be typed
             write_text(output, _table(stored, values, columns, to=to, labels=labels))
     else:
         _mesh(stored, values, output, to=to, labels=labels)
+    return _written(output, quiet=quiet)
+
+
+def _written(output: Path, *, quiet: bool) -> int:
     if not quiet:
         click.echo(f"written: {output}")
     return 0
+
+
+def _slicer_landmarks(
+    stored: MatchResult | Fit, values: Path, output: Path, to: str, mesh_space: Space | None
+) -> str:
+    if isinstance(stored, MatchResult):
+        return transferred_landmarks(stored, values, output, to=to, mesh_space=mesh_space)
+    if to == "full":
+        raise click.UsageError("landmarks go to the full shape along a match, not along a fit")
+    return fitted_landmarks(stored, values, output, mesh_space=mesh_space)
 
 
 def _map_of_fit(fitted: Fit, piece: int, min_confidence: float) -> PieceMap:

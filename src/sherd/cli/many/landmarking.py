@@ -6,19 +6,23 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import click
+import numpy as np
 
 from sherd.batching.specimens import ANY_TEMPLATE, carried_to_specimens
 from sherd.cli.exits import NOT_CONVERGED
 from sherd.cli.options import quiet_option
+from sherd.cli.vertex_tables import text_table
 from sherd.landmarks.attached import attached
 from sherd.landmarks.carried import CarriedLandmarks, carry_landmarks, landmarks_of_part
 from sherd.landmarks.landmark_files import landmark_text, read_landmarks
 from sherd.landmarks.landmark_list import SPACES, Landmarks, Space
 from sherd.landmarks.landmark_table import landmark_table
 from sherd.output import require_writable, write_text
+from sherd.results.fitted.fit_result import Fit
 from sherd.results.match_result import MatchResult
 
 __all__ = [
+    "fitted_landmarks",
     "landmarks_by_template",
     "landmarks_command",
     "mesh_space_option",
@@ -92,6 +96,26 @@ def transferred_landmarks(
         return landmark_text(carried.landmarks, output, notes=carried.notes)
     on_part = attached(landmarks, stored.part, mesh_space=mesh_space)
     return landmark_text(landmarks_of_part(stored, on_part), output)
+
+
+def fitted_landmarks(fitted: Fit, values: Path, output: Path, *, mesh_space: Space | None) -> str:
+    """What `sherd transfer` writes for a file of landmarks along a fit: none is missing."""
+    placed = attached(read_landmarks(values), fitted.full, mesh_space=mesh_space)
+    names, known = placed.landmarks.names, placed.landmarks.known
+    positions = np.where(known[:, None], placed.points.positions(fitted.mesh), np.nan)
+    _, extrapolated, chance = fitted.landmarks(placed.points.nearest_vertices(fitted.full))
+    if output.suffix.lower() == ".csv":
+        axes = {axis: positions[:, k] for k, axis in enumerate("xyz")}
+        hidden = extrapolated.astype(np.int64)
+        return text_table(
+            {"name": np.array(names), **axes, "extrapolated": hidden, "chance": chance}
+        )
+    notes = [
+        f"extrapolated, chance {sure:.2f}" if hidden else f"chance {sure:.2f}"
+        for hidden, sure in zip(extrapolated.tolist(), chance.tolist(), strict=True)
+    ]
+    carried = Landmarks(names, positions, space=placed.landmarks.space)
+    return landmark_text(carried, output, notes=notes)
 
 
 def landmarks_by_template(named: Sequence[str]) -> dict[str, Landmarks]:
