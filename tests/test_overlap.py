@@ -114,3 +114,14 @@ def test_a_dot_beside_the_other_is_refused(fragments) -> None:
     small = rear.mesh.with_vertices(rear.mesh.vertices * 1e-3)
     with pytest.raises(InfeasibleError, match="in different units"):
         sherd.overlap(front.mesh, small)
+
+
+def test_a_left_leg_is_not_taken_for_a_right_one() -> None:
+    full, walking = creature(5000), creature(5000, pose="walk")
+    places = landmarks(full)
+    left = cut_by_ball(whole(full, full), places["left_front_hoof"], 0.5).mesh
+    right = cut_by_ball(whole(walking, full), places["right_front_hoof"], 0.5).mesh
+    answer = sherd.overlap(left, right)
+    assert answer.status is not Status.GOOD
+    assert "mirror image" in answer.advice
+    assert answer.chance < 0.2
