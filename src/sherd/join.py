@@ -32,6 +32,10 @@ __all__ = ["STAGES", "join"]
 
 # Then the stages of each pair that is asked.
 STAGES = ("pieces", "evidence", "synchronization")
+# Neighborhoods are as wide as the largest piece of all asks for, and an arm and a leg look alike in
+# them. Two pieces that are both smaller than this many times that are described again as a pair
+# alone would be: chances were fitted to such descriptions.
+SMALL = 0.8
 NO_LANDMARKS = np.empty((0, 4), dtype=np.int64)
 
 
@@ -74,9 +78,10 @@ def join(
 
     Notes
     -----
-    Every piece is described once. All pairs are compared by a few nodes, at a tenth of the cost of
-    a full question; only the best few of each piece, and a tree over all, are asked in full, and
-    none that has no more evidence than unrelated pieces have.
+    Every piece is described once, and again with another one where both are small. All pairs are
+    compared by a few nodes, at a tenth of the cost of a full question; only the best few of each
+    piece, and a tree over all, are asked in full, and none that has no more evidence than unrelated
+    pieces have. Pieces that share a tenth or less are mostly not found to belong together.
 
     Examples
     --------
@@ -107,7 +112,7 @@ def join(
     with stages("evidence"):
         evidence = pair_evidence(surfaces, options.seed)
         asked = pairs_to_ask(evidence)
-    answers = {pair: _answer(shapes, surfaces, pair, options.seed, stages) for pair in asked}
+    answers = {pair: _answer(shapes, surfaces, pair, unit, options.seed, stages) for pair in asked}
     joined = [pair for pair, answer in answers.items() if _belongs(answer)]
     originals = [intake.original for intake in intakes]
     with stages("synchronization"):
@@ -152,11 +157,19 @@ def _answer(
     shapes: Sequence[KeptShape],
     surfaces: Sequence[DescribedSurface],
     pair: tuple[int, int],
+    unit: float,
     seed: int,
     stages: Stages,
 ) -> Overlap:
+    """What two pieces share; as :func:`sherd.overlap` would say it where both are small."""
     first, second = pair
     both = (surfaces[first], surfaces[second])
+    larger = max(shapes[first].mesh.length, shapes[second].mesh.length)
+    if larger < SMALL * unit:
+        both = (
+            described_part(shapes[first].mesh, larger),
+            described_part(shapes[second].mesh, larger),
+        )
     return shared_by(
         (shapes[first], shapes[second]),
         both,
