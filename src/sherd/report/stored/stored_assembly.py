@@ -11,11 +11,11 @@ import numpy as np
 
 from sherd.drawing.exhibit import Exhibit, Partner, Verdict
 from sherd.files.mesh_files import read_mesh
-from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.report.puzzle.assembly_scene import AssemblyScene
 from sherd.report.puzzle.joined_report import joined_exhibit, stored_partners
 from sherd.report.puzzle.piece_row import ShownPiece
+from sherd.report.stored.reading import stored_points
 from sherd.results.status import Status
 
 __all__ = ["assembly_exhibit", "joined_stored_exhibit"]
@@ -74,9 +74,7 @@ def _piece(path: Path, number: int, facts: Mapping[str, Any]) -> ShownPiece:
     own = path / f"piece_{number}" / "correspondence.csv"
     table = np.genfromtxt(own, delimiter=",", names=True)
     weights = np.column_stack([table[f"b{k}"] for k in range(3)])
-    points = SurfacePoints(
-        table["full_face"].astype(np.int64), weights / weights.sum(axis=1, keepdims=True)
-    )
+    points = stored_points(table["full_face"], weights)
     return ShownPiece(mesh, Partner(points, table["matched"] > 0, table["confidence"]))
 
 

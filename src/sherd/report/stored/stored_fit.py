@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 from collections.abc import Mapping
 from pathlib import Path
@@ -10,12 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from sherd.errors import InputError, SherdError
-from sherd.files.mesh_files import read_mesh
-from sherd.mesh.surface_points import SurfacePoints
-from sherd.mesh.triangle_mesh import TriangleMesh
-from sherd.report.known_layers import own_fields
-from sherd.report.stored.folder import FIT_FORMAT, folder_problems
+from sherd.report.stored.folder import FIT_FORMAT
+from sherd.report.stored.reading import read_back, stored_points, stored_shape
 from sherd.results.fitted.fit_options import FitOptions
 from sherd.results.fitted.fit_result import Fit, FitCheck, FittedPiece, HiddenRegion
 from sherd.results.status import Status
@@ -38,25 +33,13 @@ def read_fit(folder: str | os.PathLike[str]) -> Fit:
         ...
     sherd.errors.InputError: nowhere holds no result.json: nothing was finished there; run again
     """
-    path = Path(folder)
-    problems = folder_problems(path)
-    if problems:
-        raise InputError(problems[0])
-    try:
-        document = json.loads((path / "result.json").read_text(encoding="utf-8"))
-        if document.get("format") != FIT_FORMAT:
-            raise InputError(f"{path}: holds {document.get('format')!r}, not the result of a fit")
-        return _fit(path, document)
-    except SherdError:
-        raise
-    except (OSError, ValueError, KeyError, TypeError) as error:
-        raise InputError(f"{path}: cannot be read as the result of a fit ({error})") from error
+    return read_back(folder, {FIT_FORMAT: _fit}, "a fit")
 
 
 def _fit(path: Path, document: Mapping[str, Any]) -> Fit:
     table = np.genfromtxt(path / "fit.csv", delimiter=",", names=True)
     return Fit(
-        full=_shape(path / "full.ply", document["full"]),
+        full=stored_shape(path / "full.ply", document["full"]),
         pieces=tuple(
             _piece(path / f"piece_{number}", facts)
             for number, facts in enumerate(document["pieces"])
@@ -82,18 +65,9 @@ def _piece(path: Path, facts: Mapping[str, Any]) -> FittedPiece:
     table = np.genfromtxt(path / "distances.csv", delimiter=",", names=True)
     weights = np.column_stack([table[f"b{k}"] for k in range(3)])
     return FittedPiece(
-        part=_shape(path / "part.ply", facts),
-        points=SurfacePoints(
-            table["face"].astype(np.int64), weights / weights.sum(axis=1, keepdims=True)
-        ),
+        part=stored_shape(path / "part.ply", facts),
+        points=stored_points(table["face"], weights),
         matched=table["matched"] > 0,
         distances=table["distance"],
         scale=float(facts["scale"]),
-    )
-
-
-def _shape(path: Path, facts: Mapping[str, Any]) -> TriangleMesh:
-    mesh = read_mesh(path)
-    return TriangleMesh(
-        mesh.vertices, mesh.faces, fields=own_fields(mesh.fields), name=str(facts["name"])
     )

@@ -4,21 +4,16 @@ from __future__ import annotations
 
 import csv
 import io
-import json
 import os
-import zipfile
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 
-from sherd.errors import InputError, SherdError
-from sherd.files.mesh_files import read_mesh
 from sherd.mesh.surface_points import SurfacePoints
-from sherd.mesh.triangle_mesh import TriangleMesh
-from sherd.report.known_layers import own_fields
-from sherd.report.stored.folder import MATCH_FORMAT, folder_problems
+from sherd.report.stored.folder import MATCH_FORMAT
+from sherd.report.stored.reading import read_back, stored_points, stored_shape
 from sherd.results.advice import UnfollowedLandmark
 from sherd.results.match_options import MatchOptions
 from sherd.results.match_result import MatchResult
@@ -56,27 +51,15 @@ def read_match(folder: str | os.PathLike[str]) -> MatchResult:
         ...
     sherd.errors.InputError: nowhere holds no result.json: nothing was finished there; run again
     """
-    path = Path(folder)
-    problems = folder_problems(path)
-    if problems:
-        raise InputError(problems[0])
-    try:
-        document = json.loads((path / "result.json").read_text(encoding="utf-8"))
-        if document.get("format") != MATCH_FORMAT:
-            raise InputError(f"{path}: holds {document.get('format')!r}, not the result of a match")
-        return _result(path, document)
-    except SherdError:
-        raise
-    except (OSError, ValueError, KeyError, TypeError, zipfile.BadZipFile) as error:
-        raise InputError(f"{path}: cannot be read as the result of a match ({error})") from error
+    return read_back(folder, {MATCH_FORMAT: _result}, "a match")
 
 
 def _result(path: Path, document: dict[str, Any]) -> MatchResult:
     scores = document["scores"]
     notices = {which: tuple(document[which]["notices"]) for which in ("full", "part")}
     return MatchResult(
-        full=_shape(path / "full.ply", document["full"]),
-        part=_shape(path / "part.ply", document["part"]),
+        full=stored_shape(path / "full.ply", document["full"]),
+        part=stored_shape(path / "part.ply", document["part"]),
         best=_best(path, float(scores["best"])),
         alternatives=_alternatives(path, document["alternatives"]),
         scale=float(document["scale"]),
@@ -98,14 +81,6 @@ def _result(path: Path, document: dict[str, Any]) -> MatchResult:
     )
 
 
-def _shape(path: Path, facts: dict[str, Any]) -> TriangleMesh:
-    """The mesh as it was given: what the result has painted on it is taken off."""
-    mesh = read_mesh(path)
-    return TriangleMesh(
-        mesh.vertices, mesh.faces, fields=own_fields(mesh.fields), name=str(facts["name"])
-    )
-
-
 def _best(path: Path, score: float) -> Placement:
     answers, region = _rows(path / "correspondence.csv"), _rows(path / "region.csv")
     weights = np.array([[float(row[f"b{k}"]) for k in range(3)] for row in answers])
@@ -114,7 +89,7 @@ def _best(path: Path, score: float) -> Placement:
         mask=np.array([row["in_region"] == "1" for row in region]),
         membership=np.array([float(row["membership"]) for row in region]),
         score=score,
-        points=SurfacePoints(faces, weights / weights.sum(axis=1, keepdims=True)),
+        points=stored_points(faces, weights),
         matched=np.array([row["matched"] == "1" for row in answers]),
         confidence=np.array([float(row["confidence"]) for row in answers]),
     )

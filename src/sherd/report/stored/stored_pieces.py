@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
-import json
 import os
-import zipfile
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from sherd.errors import InputError, SherdError
-from sherd.files.mesh_files import read_mesh
-from sherd.mesh.surface_points import SurfacePoints
+from sherd.errors import InputError
 from sherd.mesh.triangle_mesh import TriangleMesh
-from sherd.report.known_layers import own_fields
-from sherd.report.stored.folder import ASSEMBLY_FORMAT, MATCH_FORMAT, folder_problems
+from sherd.report.stored.folder import ASSEMBLY_FORMAT, MATCH_FORMAT
+from sherd.report.stored.reading import read_back, stored_points, stored_shape
 from sherd.report.stored.stored_match import read_match
 from sherd.results.match_options import MatchOptions
 from sherd.results.match_result import MatchResult
@@ -34,29 +30,15 @@ def read_matches(folder: str | os.PathLike[str]) -> tuple[MatchResult, ...]:
     InputError
         If the folder is missing, holds neither, mixes two runs, or no piece has a place.
     """
-    path = Path(folder)
-    problems = folder_problems(path)
-    if problems:
-        raise InputError(problems[0])
-    try:
-        document = json.loads((path / "result.json").read_text(encoding="utf-8"))
-        kind = document.get("format")
-        if kind == MATCH_FORMAT:
-            return (read_match(path),)
-        if kind != ASSEMBLY_FORMAT:
-            raise InputError(f"{path}: holds {kind!r}, not the result of match or assemble")
-        found = _pieces(path, document)
-    except SherdError:
-        raise
-    except (OSError, ValueError, KeyError, TypeError, zipfile.BadZipFile) as error:
-        raise InputError(f"{path}: cannot be read as a result ({error}); run again") from error
+    readers = {MATCH_FORMAT: lambda path, _: (read_match(path),), ASSEMBLY_FORMAT: _pieces}
+    found = read_back(folder, readers, "match or assemble")
     if not found:
-        raise InputError(f"{path}: no piece has a place there, so there is nothing to fit to")
+        raise InputError(f"{folder}: no piece has a place there, so there is nothing to fit to")
     return found
 
 
 def _pieces(path: Path, document: Mapping[str, Any]) -> tuple[MatchResult, ...]:
-    full = _shape(path / "full.ply", document["full"])
+    full = stored_shape(path / "full.ply", document["full"])
     labels = np.genfromtxt(path / "labels.csv", delimiter=",", names=True)["piece"]
     return tuple(
         _match(path, full, labels == number, number, facts, str(document["version"]))
@@ -72,15 +54,14 @@ def _match(
         path / f"piece_{number}" / "correspondence.csv", delimiter=",", names=True
     )
     weights = np.column_stack([table[f"b{k}"] for k in range(3)])
-    faces = table["full_face"].astype(np.int64)
     return MatchResult(
         full=full,
-        part=_shape(path / f"piece_{number}" / "part.ply", facts),
+        part=stored_shape(path / f"piece_{number}" / "part.ply", facts),
         best=Placement(
             mask=mask,
             membership=mask.astype(np.float64),
             score=float(facts["score"]),
-            points=SurfacePoints(faces, weights / weights.sum(axis=1, keepdims=True)),
+            points=stored_points(table["full_face"], weights),
             matched=table["matched"] > 0,
             confidence=table["confidence"],
         ),
@@ -93,11 +74,4 @@ def _match(
         options=MatchOptions(),
         version=version,
         chance=facts["chance"],
-    )
-
-
-def _shape(path: Path, facts: Mapping[str, Any]) -> TriangleMesh:
-    mesh = read_mesh(path)
-    return TriangleMesh(
-        mesh.vertices, mesh.faces, fields=own_fields(mesh.fields), name=str(facts["name"])
     )
