@@ -11,7 +11,14 @@ from sherd.assemble import assemble
 from sherd.cli.exits import NOT_CONVERGED
 from sherd.cli.first_run import prepare_first_run
 from sherd.cli.inputs import check_piece_outputs, command_line, show_piece_notices, stored_template
-from sherd.cli.options import overwrite_option, quiet_option, template_option
+from sherd.cli.options import (
+    json_option,
+    overwrite_option,
+    quiet_option,
+    seed_option,
+    side_option,
+    template_option,
+)
 from sherd.join import join
 from sherd.limits import require_seed
 from sherd.output import Stages
@@ -20,7 +27,7 @@ from sherd.results.puzzle.assemble_options import TOLERANCE, AssembleOptions
 from sherd.results.puzzle.assembly import Assembly
 from sherd.results.puzzle.joined import Joined
 from sherd.results.status import Status
-from sherd.scan.either_side import SIDES, Side
+from sherd.scan.either_side import Side
 from sherd.scan.intake import scan_intake
 
 __all__ = ["assemble_command", "assembly_summary", "joined_summary"]
@@ -50,16 +57,10 @@ FILE = click.Path(path_type=Path)
     help="For rigid pieces: what is farther off is worn; in sqrt(area) of FULL.",
 )
 @template_option
-@click.option(
-    "--side",
-    type=click.Choice(SIDES),
-    default="either",
-    show_default=True,
-    help="Given: the faces of all pieces look outward.",
-)
-@click.option("--seed", type=int, default=0, show_default=True)
+@side_option("all pieces")
+@seed_option
 @overwrite_option
-@click.option("--json", "as_json", is_flag=True, help="Print result.json on standard output.")
+@json_option
 @quiet_option()
 def assemble_command(  # noqa: PLR0913 - one for each word that can be typed
     shapes: tuple[Path, ...],

@@ -18,7 +18,14 @@ from sherd.cli.inputs import (
     show_fit_notices,
     stored_template,
 )
-from sherd.cli.options import overwrite_option, quiet_option, template_option
+from sherd.cli.options import (
+    json_option,
+    overwrite_option,
+    quiet_option,
+    seed_option,
+    side_option,
+    template_option,
+)
 from sherd.fitting.fit import STAGES, fit
 from sherd.limits import require_seed
 from sherd.match import STAGES as MATCH_STAGES
@@ -33,7 +40,7 @@ from sherd.results.match_options import SCALES, Scale
 from sherd.results.match_result import MatchResult
 from sherd.results.puzzle.assembly import Assembly
 from sherd.results.status import Status
-from sherd.scan.either_side import SIDES, Side
+from sherd.scan.either_side import Side
 from sherd.scan.intake import Intake, scan_intake
 from sherd.surface.template import Template
 
@@ -80,16 +87,10 @@ NAMED = 4
     help="As for match; of one PART only.",
 )
 @template_option
-@click.option(
-    "--side",
-    type=click.Choice(SIDES),
-    default="either",
-    show_default=True,
-    help="Given: the faces of PART look outward.",
-)
-@click.option("--seed", type=int, default=0, show_default=True)
+@side_option()
+@seed_option
 @overwrite_option
-@click.option("--json", "as_json", is_flag=True, help="Print result.json on standard output.")
+@json_option
 @quiet_option()
 def fit_command(  # noqa: PLR0913 - one for each word that can be typed
     shapes: tuple[Path, ...],

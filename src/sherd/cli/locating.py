@@ -16,7 +16,14 @@ from sherd.cli.inputs import (
     show_notices,
     stored_template,
 )
-from sherd.cli.options import overwrite_option, quiet_option, template_option
+from sherd.cli.options import (
+    json_option,
+    overwrite_option,
+    quiet_option,
+    seed_option,
+    side_option,
+    template_option,
+)
 from sherd.locate import STAGES, locate
 from sherd.output import Stages
 from sherd.report.exports import SHAPE_EXPORTS
@@ -25,7 +32,6 @@ from sherd.report.write import write_report
 from sherd.results.locate_options import DESCRIPTORS, METHODS, SOLVERS, LocateOptions
 from sherd.results.locate_result import LocateResult
 from sherd.results.status import Status
-from sherd.scan.either_side import SIDES
 from sherd.scan.intake import scan_intake
 
 __all__ = ["locate_command"]
@@ -58,15 +64,9 @@ FILE = click.Path(path_type=Path)
 @click.option(
     "--vocabulary-size", type=int, help="Of the methods that match integrals, 160 if not given."
 )
-@click.option(
-    "--side",
-    type=click.Choice(SIDES),
-    default=DEFAULTS.side,
-    show_default=True,
-    help="Given: the faces of PART look outward.",
-)
+@side_option()
 @template_option
-@click.option("--seed", type=int, default=DEFAULTS.seed, show_default=True)
+@seed_option
 @click.option(
     "--export",
     "exports",
@@ -75,7 +75,7 @@ FILE = click.Path(path_type=Path)
     help="Further files: ParaView (vtp), web viewers (glb), NumPy, MATLAB. May be repeated.",
 )
 @overwrite_option
-@click.option("--json", "as_json", is_flag=True, help="Print result.json on standard output.")
+@json_option
 @quiet_option()
 def locate_command(
     full: Path,

@@ -19,7 +19,14 @@ from sherd.cli.inputs import (
     show_notices,
     stored_template,
 )
-from sherd.cli.options import overwrite_option, quiet_option, template_option
+from sherd.cli.options import (
+    json_option,
+    overwrite_option,
+    quiet_option,
+    seed_option,
+    side_option,
+    template_option,
+)
 from sherd.cli.tables import read_ground_truth, read_ignored, read_landmarks
 from sherd.library.fitted_scale import match_with_fitted_scale
 from sherd.limits import require_finite, require_seed
@@ -32,7 +39,7 @@ from sherd.report.write import write_report
 from sherd.results.match_options import SCALES, MatchOptions, Scale
 from sherd.results.match_result import MatchResult
 from sherd.results.status import Status
-from sherd.scan.either_side import SIDES, Side
+from sherd.scan.either_side import Side
 from sherd.scan.intake import Intake, scan_intake
 from sherd.scan.numbering import repaired_vertices
 from sherd.spectral.surface_distances import SurfaceDistances
@@ -67,13 +74,7 @@ FILE = click.Path(path_type=Path)
 @click.option("--ignore", type=FILE, help="CSV with a column part_vertex: clothing, support.")
 @click.option("--ground-truth", type=FILE, help="CSV as written here, or SHREC'16 .baryc_gt.")
 @template_option
-@click.option(
-    "--side",
-    type=click.Choice(SIDES),
-    default="either",
-    show_default=True,
-    help="Given: the faces of PART look outward.",
-)
+@side_option()
 @click.option(
     "--min-confidence",
     type=float,
@@ -81,7 +82,7 @@ FILE = click.Path(path_type=Path)
     show_default=True,
     help="Below it a vertex counts as unmatched; 0 to 1.",
 )
-@click.option("--seed", type=int, default=0, show_default=True)
+@seed_option
 @click.option(
     "--export",
     "exports",
@@ -91,7 +92,7 @@ FILE = click.Path(path_type=Path)
     "(map) or 1 (vts), correspondence as Parquet. May be repeated.",
 )
 @overwrite_option
-@click.option("--json", "as_json", is_flag=True, help="Print result.json on standard output.")
+@json_option
 @quiet_option()
 def match_command(  # noqa: PLR0913 - one for each word that can be typed
     full: Path,

@@ -9,7 +9,16 @@ from typing import Any
 
 import click
 
-__all__ = ["overwrite_option", "quiet_option", "template_option"]
+from sherd.scan.either_side import SIDES
+
+__all__ = [
+    "json_option",
+    "overwrite_option",
+    "quiet_option",
+    "seed_option",
+    "side_option",
+    "template_option",
+]
 
 template_option = click.option(
     "--template",
@@ -22,6 +31,24 @@ overwrite_option = click.option(
     is_flag=True,
     help="Replace what another command or other files left in the folder.",
 )
+
+
+json_option = click.option(
+    "--json", "as_json", is_flag=True, help="Print result.json on standard output."
+)
+
+seed_option = click.option("--seed", type=int, default=0, show_default=True)
+
+
+def side_option(whose: str = "PART") -> Callable[[Any], Any]:
+    """`--side`, of the faces of a part, or of what else is called a part."""
+    return click.option(
+        "--side",
+        type=click.Choice(SIDES),
+        default="either",
+        show_default=True,
+        help=f"Given: the faces of {whose} look outward.",
+    )
 
 
 def quiet_option(text: str = "Print errors only.") -> Callable[[Any], Any]:

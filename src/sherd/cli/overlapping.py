@@ -12,7 +12,7 @@ import numpy as np
 from sherd.cli.exits import NOT_CONVERGED
 from sherd.cli.first_run import prepare_first_run
 from sherd.cli.inputs import ScaleType, check_outputs, command_line, show_notices
-from sherd.cli.options import overwrite_option, quiet_option
+from sherd.cli.options import json_option, overwrite_option, quiet_option, seed_option
 from sherd.cli.tables import read_ignored, read_landmarks
 from sherd.limits import require_seed
 from sherd.output import Stages
@@ -55,7 +55,7 @@ FILE = click.Path(path_type=Path)
 @click.option("--landmarks", type=FILE, help="CSV with columns first_vertex,second_vertex.")
 @click.option("--ignore-first", type=FILE, help="CSV with a column first_vertex.")
 @click.option("--ignore-second", type=FILE, help="CSV with a column second_vertex.")
-@click.option("--seed", type=int, default=0, show_default=True)
+@seed_option
 @click.option(
     "--export",
     "exports",
@@ -64,7 +64,7 @@ FILE = click.Path(path_type=Path)
     help="Further files: ParaView (vtp), web viewers (glb). May be repeated.",
 )
 @overwrite_option
-@click.option("--json", "as_json", is_flag=True, help="Print result.json on standard output.")
+@json_option
 @quiet_option()
 def overlap_command(  # noqa: PLR0913 - one for each word that can be typed
     first: Path,

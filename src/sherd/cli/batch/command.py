@@ -25,7 +25,13 @@ from sherd.cli.exits import NOT_CONVERGED, SOME_FAILED
 from sherd.cli.first_run import prepare_first_run
 from sherd.cli.inputs import ScaleType
 from sherd.cli.many.landmarking import landmarks_by_template, mesh_space_option
-from sherd.cli.options import overwrite_option, quiet_option, template_option
+from sherd.cli.options import (
+    overwrite_option,
+    quiet_option,
+    seed_option,
+    side_option,
+    template_option,
+)
 from sherd.landmarks.landmark_list import Space
 from sherd.landmarks.landmark_table import landmark_table
 from sherd.mesh.units import UNITS, Unit
@@ -33,7 +39,7 @@ from sherd.output import write_text
 from sherd.report.exports import MAP_EXPORTS, SHAPE_EXPORTS
 from sherd.results.match_options import SCALES, MatchOptions, Scale
 from sherd.results.overlap_options import OverlapOptions
-from sherd.scan.either_side import SIDES, Side
+from sherd.scan.either_side import Side
 
 __all__ = ["batch_command"]
 
@@ -71,7 +77,7 @@ LANDMARKS = "landmarks.csv"
 @click.option("--part-unit", type=click.Choice(UNITS), help="Unit of the parts.")
 @click.option("--full-unit", type=click.Choice(UNITS), help="Unit of the full shapes.")
 @template_option
-@click.option("--side", type=click.Choice(SIDES), default="either", show_default=True)
+@side_option("all parts")
 @click.option(
     "--min-confidence",
     type=float,
@@ -87,7 +93,7 @@ LANDMARKS = "landmarks.csv"
     help="Landmarks of FULL (.mrk.json, .fcsv, .csv): on all parts in landmarks.csv.",
 )
 @mesh_space_option
-@click.option("--seed", type=int, default=0, show_default=True)
+@seed_option
 @click.option(
     "--export",
     "exports",

@@ -11,7 +11,7 @@ import click
 from sherd.cli.exits import NOT_CONVERGED
 from sherd.cli.first_run import prepare_first_run
 from sherd.cli.inputs import ScaleType, command_line, show_notices
-from sherd.cli.options import overwrite_option, quiet_option
+from sherd.cli.options import json_option, overwrite_option, quiet_option, seed_option, side_option
 from sherd.errors import InfeasibleError, OutputError
 from sherd.library.folder import Library
 from sherd.library.identify import STAGES, candidates, identify_among
@@ -24,7 +24,7 @@ from sherd.results.many.identification import Identification
 from sherd.results.many.identify_options import MATCHES, IdentifyOptions
 from sherd.results.match_options import SCALES, Scale
 from sherd.results.status import Status
-from sherd.scan.either_side import SIDES, Side
+from sherd.scan.either_side import Side
 from sherd.scan.intake import scan_intake
 
 __all__ = ["identification_summary", "identify_command"]
@@ -48,13 +48,7 @@ FILE = click.Path(path_type=Path)
 @click.option(
     "--full-unit", type=click.Choice(UNITS), help="Unit of the full shapes; with --part-unit."
 )
-@click.option(
-    "--side",
-    type=click.Choice(SIDES),
-    default="either",
-    show_default=True,
-    help="Given: the faces of PART look outward.",
-)
+@side_option()
 @click.option(
     "--matches",
     type=int,
@@ -62,9 +56,9 @@ FILE = click.Path(path_type=Path)
     show_default=True,
     help="So many full shapes are matched with PART at most; the others by cheap evidence.",
 )
-@click.option("--seed", type=int, default=0, show_default=True)
+@seed_option
 @overwrite_option
-@click.option("--json", "as_json", is_flag=True, help="Print result.json on standard output.")
+@json_option
 @quiet_option()
 def identify_command(  # noqa: PLR0913 - one for each word that can be typed
     fulls: tuple[Path, ...],
