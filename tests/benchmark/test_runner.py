@@ -9,8 +9,16 @@ from pathlib import Path
 import pytest
 
 from sherd.benchmark.row_file import content_hash, stored_rows, write_rows
-from sherd.benchmark.runner import measured_rows
+from sherd.benchmark.runner import measured_and_kept, measured_rows
 from sherd.errors import OptionError
+
+
+@dataclass(frozen=True)
+class Named:
+    """A row that is nothing but its name."""
+
+    case: str
+
 
 QUESTIONS = [Path("b/two"), Path("a/one"), Path("c/three")]
 
@@ -78,3 +86,26 @@ def test_rows_depend_on_what_files_hold_and_not_on_where_they_lie(tmp_path) -> N
     (other / "a.off").rename(other / "b.off")
     (one / "a.off").write_text("b")
     assert content_hash([one]) != content_hash([other])
+
+
+def test_rows_of_other_files_or_settings_are_measured_anew(tmp_path) -> None:
+    source, path, asked = tmp_path / "a.off", tmp_path / "rows.json", []
+    source.write_text("a")
+
+    def measure(question: Path) -> Named:
+        asked.append(question.name)
+        return Named(question.name)
+
+    def run(**settings: int) -> list[Named]:
+        return measured_and_kept(
+            QUESTIONS, measure, kind=Named, name=lambda row: row.case, path=path,
+            inputs=[source], settings=settings,
+        )  # fmt: skip
+
+    assert run() == run() == [Named(question.name) for question in QUESTIONS]
+    assert len(asked) == len(QUESTIONS)
+    source.write_text("b")
+    run()
+    assert len(asked) == 2 * len(QUESTIONS)
+    run(seed=1)
+    assert len(asked) == 3 * len(QUESTIONS)

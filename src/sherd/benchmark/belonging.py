@@ -11,12 +11,10 @@ from typing import Any
 import numpy as np
 from scipy.stats import rankdata
 
-from sherd._version import __version__
 from sherd.arrays import Floats
 from sherd.benchmark.datasets.pairs import seed_of
 from sherd.benchmark.datasets.shrec16 import PairFiles, shrec16_pairs
-from sherd.benchmark.row_file import content_hash, stored_rows, write_rows
-from sherd.benchmark.runner import measured_rows
+from sherd.benchmark.runner import measured_and_kept
 from sherd.errors import InfeasibleError
 from sherd.files.mesh_files import read_mesh
 from sherd.limits import require_whole
@@ -115,16 +113,16 @@ def belonging_benchmark(
         if others:
             cases.append(BelongingCase(part, others[seed_of(part.name, 1) % len(others)]))
     cases.sort(key=lambda case: str(case.full))  # each full shape is prepared once
-    inputs = content_hash(path for part in parts for path in part.inputs)
-    question = {"version": __version__, "remeshed": remeshed is not None, "inputs": inputs}
-    path = output / "belonging.json"
-    known = {row.case: row for row in stored_rows(path, question, BelongingRow)}
-
-    def keep(name: str, row: BelongingRow) -> None:
-        known[name] = row
-        write_rows(path, question, known.values())
-
-    return measured_rows(cases, _measured, known=dict(known), keep=keep, jobs=jobs)
+    return measured_and_kept(
+        cases,
+        _measured,
+        kind=BelongingRow,
+        name=lambda row: row.case,
+        path=output / "belonging.json",
+        inputs=[path for part in parts for path in part.inputs],
+        settings={"remeshed": remeshed is not None},
+        jobs=jobs,
+    )
 
 
 def belonging_summary(rows: Sequence[BelongingRow]) -> dict[str, Any]:

@@ -11,11 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from sherd._version import __version__
 from sherd.benchmark.datasets.pairs import seed_of
 from sherd.benchmark.datasets.shrec16 import PairFiles, shrec16_pairs
-from sherd.benchmark.row_file import stored_rows, write_rows
-from sherd.benchmark.runner import measured_rows
+from sherd.benchmark.runner import measured_and_kept
 from sherd.errors import InputError
 from sherd.files.mesh_files import read_mesh
 from sherd.library.candidate import Candidate
@@ -142,15 +140,16 @@ def identification_benchmark(
         for part in chosen
         for present in (True, False)
     ]
-    question = {"version": __version__, "remeshed": remeshed is not None, "fulls": len(fulls)}
-    path = output / "identification.json"
-    known = {row.case: row for row in stored_rows(path, question, IdentificationRow)}
-
-    def keep(name: str, row: IdentificationRow) -> None:
-        known[name] = row
-        write_rows(path, question, known.values())
-
-    return measured_rows(cases, _measured, known=dict(known), keep=keep, jobs=jobs)
+    return measured_and_kept(
+        cases,
+        _measured,
+        kind=IdentificationRow,
+        name=lambda row: row.case,
+        path=output / "identification.json",
+        inputs=[*fulls, *(path for part in parts for path in part.inputs)],
+        settings={"remeshed": remeshed is not None},
+        jobs=jobs,
+    )
 
 
 def identification_summary(rows: Sequence[IdentificationRow]) -> dict[str, Any]:

@@ -3,14 +3,20 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from typing import Protocol, TypeVar
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
+from sherd._version import __version__
 from sherd.batching.processes import process_pool
+from sherd.benchmark.row_file import content_hash, stored_rows, write_rows
 from sherd.limits import require_whole
 from sherd.output import Stages
 
-__all__ = ["Question", "measured_rows"]
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
+
+__all__ = ["Question", "measured_and_kept", "measured_rows"]
 
 
 class Question(Protocol):
@@ -24,6 +30,7 @@ class Question(Protocol):
 
 Asked = TypeVar("Asked", bound=Question)
 Row = TypeVar("Row")
+Kept = TypeVar("Kept", bound="DataclassInstance")
 
 
 def measured_rows(
@@ -67,6 +74,49 @@ def measured_rows(
             keep(question.name, rows[question.name])
     stages.close()
     return [rows[question.name] for question in questions]
+
+
+def measured_and_kept(
+    questions: Sequence[Asked],
+    measure: Callable[[Asked], Kept],
+    *,
+    kind: type[Kept],
+    name: Callable[[Kept], str],
+    path: Path,
+    inputs: Iterable[Path],
+    settings: Mapping[str, Any] | None = None,
+    jobs: int = 1,
+) -> list[Kept]:
+    """The row of each question, kept in one file from which an interrupted run goes on.
+
+    Parameters
+    ----------
+    questions, measure, jobs
+        As of :func:`measured_rows`.
+    kind, name
+        The type of the rows, and the name of the question that a row is of.
+    path
+        The file.
+    inputs
+        Files and folders that the rows depend on: of others they are measured anew.
+    settings
+        What else they depend on.
+
+    Raises
+    ------
+    OptionError
+        As :func:`measured_rows`.
+    OutputError
+        If the file cannot be written.
+    """
+    question = {"version": __version__, **(settings or {}), "inputs": content_hash(inputs)}
+    known = {name(row): row for row in stored_rows(path, question, kind)}
+
+    def keep(of: str, row: Kept) -> None:
+        known[of] = row
+        write_rows(path, question, known.values())
+
+    return measured_rows(questions, measure, known=dict(known), keep=keep, jobs=jobs)
 
 
 def _one_by_one(

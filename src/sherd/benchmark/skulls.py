@@ -11,11 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from sherd._version import __version__
 from sherd.arrays import Floats
 from sherd.benchmark.datasets.pairs import seed_of
-from sherd.benchmark.row_file import stored_rows, write_rows
-from sherd.benchmark.runner import measured_rows
+from sherd.benchmark.runner import measured_and_kept
 from sherd.errors import MeshFileError
 from sherd.landmarks.attached import attached
 from sherd.landmarks.carried import CarriedLandmarks, carry_landmarks
@@ -121,15 +119,15 @@ def skull_benchmark(
     cases = [SkullCase(*pair, kind) for pair in permutations(files, 2) for kind in kinds]
     cases = sorted(cases, key=lambda case: seed_of(case.name, 0))[:limit]
     cases.sort(key=lambda case: case.template)  # each template is prepared once
-    question = {"version": __version__}
-    path = output / "skulls.json"
-    known = {row.case: row for row in stored_rows(path, question, SkullRow)}
-
-    def keep(name: str, row: SkullRow) -> None:
-        known[name] = row
-        write_rows(path, question, known.values())
-
-    return measured_rows(cases, _measured, known=dict(known), keep=keep, jobs=jobs)
+    return measured_and_kept(
+        cases,
+        _measured,
+        kind=SkullRow,
+        name=lambda row: row.case,
+        path=output / "skulls.json",
+        inputs=files,
+        jobs=jobs,
+    )
 
 
 def median_rows(rows: Iterable[SkullRow], directory: Path) -> list[SkullRow]:

@@ -9,12 +9,10 @@ from pathlib import Path
 
 import numpy as np
 
-from sherd._version import __version__
 from sherd.arrays import Floats
 from sherd.benchmark.metrics import evenly_spread
 from sherd.benchmark.puzzle.sources import OVERLAPPING_FOREIGN, Puzzle, PuzzleSource, puzzle_sources
-from sherd.benchmark.row_file import content_hash, stored_rows, write_rows
-from sherd.benchmark.runner import measured_rows
+from sherd.benchmark.runner import measured_and_kept
 from sherd.join import join
 from sherd.limits import require_whole
 from sherd.mesh.surface_points import SurfacePoints, closest_points
@@ -117,16 +115,15 @@ def join_benchmark(
     if limit is not None:
         require_whole("puzzles", limit, 1, 10**6, "no folder has more puzzles")
     sources = sources_of_joining(directory, count)
-    inputs = content_hash(path for each in sources for path in (each.path, *each.others))
-    question = {"version": __version__, "inputs": inputs}
-    path = output / "join.json"
-    known = {row.puzzle: row for row in stored_rows(path, question, JoinRow)}
-
-    def keep(name: str, row: JoinRow) -> None:
-        known[name] = row
-        write_rows(path, question, known.values())
-
-    return measured_rows(sources[:limit], _measured, known=dict(known), keep=keep, jobs=jobs)
+    return measured_and_kept(
+        sources[:limit],
+        _measured,
+        kind=JoinRow,
+        name=lambda row: row.puzzle,
+        path=output / "join.json",
+        inputs=[path for each in sources for path in (each.path, *each.others)],
+        jobs=jobs,
+    )
 
 
 def join_table(rows: Sequence[JoinRow]) -> str:
