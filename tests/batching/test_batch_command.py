@@ -6,6 +6,7 @@ import csv
 import json
 
 import pytest
+from pyarrow import parquet
 
 from sherd.cli.exits import NOT_CONVERGED, SOME_FAILED, USAGE
 
@@ -67,7 +68,6 @@ def test_shards_write_no_tables_until_they_are_collected(command, stand) -> None
 
 @pytest.mark.parametrize("suffix", ["csv", "parquet"])
 def test_parquet_holds_the_same_rows(command, stand, suffix) -> None:
-    parquet = pytest.importorskip("pyarrow.parquet", reason="needs the extra parquet")
     command(*WORDS, "--format", suffix)
     path = stand.out / "summary.parquet"
     assert path.exists() == (suffix == "parquet")

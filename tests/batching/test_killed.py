@@ -9,6 +9,7 @@ import sys
 import time
 from pathlib import Path
 
+import distributed
 import pytest
 
 from sherd.batching.batch import batch
@@ -95,7 +96,6 @@ def test_killed_twice_the_third_start_has_every_answer_as_one_process_makes_it(h
 
 
 def test_a_dask_worker_is_killed_and_every_result_is_there(home, monkeypatch) -> None:
-    distributed = pytest.importorskip("distributed", reason="needs the extra cluster")
     monkeypatch.setenv("STAND_IN_SECONDS", "0.1")
     out = home / "out"
     killed = []

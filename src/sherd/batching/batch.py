@@ -12,7 +12,8 @@ from typing import Any
 from sherd.batching.gallery.page import write_gallery
 from sherd.batching.ledger.lock import lock_of
 from sherd.batching.ledger.manifest import check_batch_folder, write_manifest
-from sherd.batching.ledger.rows import FAILED, BatchRow, Row, count_words
+from sherd.batching.ledger.rows import BatchRow, Row
+from sherd.batching.ledger.run_result import RunResult
 from sherd.batching.options import BatchOptions
 from sherd.batching.parts import BatchPart, PartSource, batch_parts, shared_list
 from sherd.batching.run import BatchRun
@@ -32,7 +33,7 @@ __all__ = ["BatchResult", "batch", "write_pages"]
 
 
 @dataclass(frozen=True, repr=False)
-class BatchResult:
+class BatchResult(RunResult[BatchRow]):
     """What became of the parts of a batch.
 
     Attributes
@@ -51,24 +52,6 @@ class BatchResult:
     >>> BatchResult(Path("out"), (), ("leg",), 0).all_good
     False
     """
-
-    folder: Path
-    rows: tuple[BatchRow, ...]
-    waiting: tuple[str, ...]
-    computed: int
-
-    def __repr__(self) -> str:
-        return f"BatchResult({os.fspath(self.folder)!r}: {self.words})"
-
-    @property
-    def words(self) -> str:
-        """How many parts of each status."""
-        return count_words(self.rows, waiting=len(self.waiting))
-
-    @property
-    def all_answered(self) -> bool:
-        """Whether every part has an answer, good or not."""
-        return not self.waiting and all(row.status != FAILED for row in self.rows)
 
     @property
     def all_good(self) -> bool:

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import hashlib
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 
-from sherd.arrays import Floats
 from sherd.batching.ledger.fingerprint import Fingerprint
 from sherd.errors import InputError, MeshFileError
+from sherd.library.folder import mesh_hash
 from sherd.scan.intake import MeshSource, mesh_intake
 from sherd.surface.template import Template
 
@@ -122,14 +121,7 @@ def _full_shape(source: MeshSource | Template, folder: Path, template: Path | No
         name, typed, file = path.name, os.fspath(source), path.absolute()
     else:
         mesh = source.full if isinstance(source, Template) else mesh_intake(source).original
-        content, name = _content(mesh.vertices, mesh.faces), mesh.name
+        content, name = mesh_hash(mesh), mesh.name
         typed, file = name, None
     kept = template or folder / TEMPLATES / f"{Path(name).stem}-{content[:16]}.npz"
     return FullShape(name, typed, content, kept.absolute(), file)
-
-
-def _content(vertices: Floats, faces: object) -> str:
-    digest = hashlib.sha256()
-    for array in (vertices, faces):
-        digest.update(memoryview(array).cast("B"))  # type: ignore[arg-type]
-    return digest.hexdigest()

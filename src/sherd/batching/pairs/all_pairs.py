@@ -11,7 +11,8 @@ from pathlib import Path
 
 from sherd.batching.ledger.lock import lock_of
 from sherd.batching.ledger.manifest import check_batch_folder, write_manifest
-from sherd.batching.ledger.rows import FAILED, PairRow, Row, count_words
+from sherd.batching.ledger.rows import PairRow, Row
+from sherd.batching.ledger.run_result import RunResult
 from sherd.batching.options import BatchOptions
 from sherd.batching.pairs.matrix import (
     likeness_matrix,
@@ -34,7 +35,7 @@ __all__ = ["PairsResult", "all_pairs", "write_matrices"]
 
 
 @dataclass(frozen=True, repr=False)
-class PairsResult:
+class PairsResult(RunResult[PairRow]):
     """What each two shapes of a collection share.
 
     Attributes
@@ -53,24 +54,6 @@ class PairsResult:
     >>> PairsResult(Path("out"), (), (), 0).all_answered
     True
     """
-
-    folder: Path
-    rows: tuple[PairRow, ...]
-    waiting: tuple[str, ...]
-    computed: int
-
-    def __repr__(self) -> str:
-        return f"PairsResult({os.fspath(self.folder)!r}: {self.words})"
-
-    @property
-    def words(self) -> str:
-        """How many pairs of each status."""
-        return count_words(self.rows, waiting=len(self.waiting))
-
-    @property
-    def all_answered(self) -> bool:
-        """Whether every pair has an answer; that nothing is shared is one."""
-        return not self.waiting and all(row.status != FAILED for row in self.rows)
 
 
 def all_pairs(
