@@ -14,7 +14,13 @@ from scipy.sparse import csgraph
 from sherd.correspondence.shared.hints import KeptShape, kept_shape
 from sherd.errors import InputError
 from sherd.output import Stages
-from sherd.overlap import check_overlap_sizes, prepare_both_ways, questions_of, shared_by
+from sherd.overlap import (
+    check_overlap_sizes,
+    described_pair,
+    prepare_both_ways,
+    questions_of,
+    shared_by,
+)
 from sherd.puzzle.pairs import pair_evidence, pairs_to_ask
 from sherd.puzzle.synchronization import PieceMap, consistent_pairs, cycle_error, synchronized
 from sherd.results.advice import SURE
@@ -163,15 +169,11 @@ def _answer(
 ) -> Overlap:
     """What two pieces share; as :func:`sherd.overlap` would say it where both are small."""
     first, second = pair
-    both = (surfaces[first], surfaces[second])
-    larger = max(shapes[first].mesh.length, shapes[second].mesh.length)
-    if larger < SMALL * unit:
-        both = (
-            described_part(shapes[first].mesh, larger),
-            described_part(shapes[second].mesh, larger),
-        )
+    own, both = (shapes[first], shapes[second]), (surfaces[first], surfaces[second])
+    if max(shape.mesh.length for shape in own) < SMALL * unit:
+        both = described_pair(own, 1.0, NO_LANDMARKS)
     return shared_by(
-        (shapes[first], shapes[second]),
+        own,
         both,
         questions_of(both, NO_LANDMARKS, unknown=False),
         OverlapOptions(seed=seed),

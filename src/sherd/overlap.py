@@ -56,6 +56,7 @@ from sherd.threads import begun
 __all__ = [
     "STAGES",
     "check_overlap_sizes",
+    "described_pair",
     "overlap",
     "prepare_both_ways",
     "questions_of",
@@ -132,7 +133,7 @@ def overlap(
     check_overlap_sizes(shapes, options.factor)
     landmarks = landmarks_on(*shapes, options)
     with stages("first shape"):
-        surfaces = _described(shapes, options.factor, landmarks)
+        surfaces = described_pair(shapes, options.factor, landmarks)
         second_prepared = begun(partial(prepare_both_ways, surfaces[1]))
         prepare_both_ways(surfaces[0])
     with stages("second shape"):
@@ -142,7 +143,7 @@ def overlap(
         estimate = _scale(questions, options)
         scale = options.factor * estimate.factor
         if estimate.factor != 1.0:
-            surfaces = _described(shapes, scale, landmarks)
+            surfaces = described_pair(shapes, scale, landmarks)
             questions = questions_of(surfaces, landmarks, unknown=True)
     return shared_by(shapes, surfaces, questions, options, stages, scale=scale, estimate=estimate)
 
@@ -228,7 +229,10 @@ def _unit(shapes: Both[KeptShape], scale: float) -> float:
     return max(shapes[0].mesh.length, shapes[1].mesh.length * scale)
 
 
-def _described(shapes: Both[KeptShape], scale: float, landmarks: Ints) -> Both[DescribedSurface]:
+def described_pair(
+    shapes: Both[KeptShape], scale: float, landmarks: Ints
+) -> Both[DescribedSurface]:
+    """Both shapes in units of sqrt(area) of the larger one, lengths of the second times `scale`."""
     unit = _unit(shapes, scale)
     return (
         described_part(shapes[0].mesh, unit, sampled_at=landmarks[:, 0]),

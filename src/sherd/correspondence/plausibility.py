@@ -8,7 +8,7 @@ import numpy as np
 
 from sherd.arrays import Floats
 from sherd.correspondence.confidence import LEAST, MOST
-from sherd.correspondence.labels.anchors import chance_energy, first_labeling
+from sherd.correspondence.labels.anchors import energy_ratio, first_labeling
 from sherd.correspondence.labels.labeling import SAME_SCALE, labeling_problem
 from sherd.correspondence.placements import anchor_problem
 from sherd.correspondence.question import Question
@@ -113,7 +113,7 @@ def first_energy_ratio(
     similar = pooled_similarity(seen.spectra, spectra, cells, len(labels))
     question = Question(coarsely_labeled(full), part, SAME_SCALE)
     problem = labeling_problem(question, similar, rng)
-    return first_labeling(problem).energy / max(chance_energy(problem, rng), 1e-12)
+    return energy_ratio(problem, first_labeling(problem), rng)
 
 
 def mirrored_energy_ratio(questions: Sequence[Question], seed: int) -> float:
@@ -125,9 +125,9 @@ def mirrored_energy_ratio(questions: Sequence[Question], seed: int) -> float:
     for question in questions:
         image = question.with_part(mirrored(question.part))
         problem = anchor_problem(image, np.random.default_rng(seed))
-        by_chance = chance_energy(problem, np.random.default_rng(seed))
-        ratios.append(first_labeling(problem).energy / max(by_chance, 1e-12))
-    return float(min(ratios))
+        chance = np.random.default_rng(seed)
+        ratios.append(energy_ratio(problem, first_labeling(problem), chance))
+    return min(ratios)
 
 
 def belonging_chance(ratio: float, share: float) -> float:

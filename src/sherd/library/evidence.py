@@ -15,7 +15,7 @@ import numpy as np
 
 from sherd.arrays import Singles
 from sherd.correspondence.hints import without_ignored
-from sherd.correspondence.labels.anchors import chance_energy, first_labeling
+from sherd.correspondence.labels.anchors import energy_ratio, first_labeling
 from sherd.correspondence.labels.labeling import (
     SAME_SCALE,
     UNKNOWN_SCALE,
@@ -110,7 +110,8 @@ def _refusal(size: float) -> str:
 
 
 def _ratio(candidate: Candidate, part: DescribedSurface, options: MatchOptions) -> float:
-    return _energy_ratio(*_labeled(candidate, part, options, SAME_SCALE), options.seed)
+    rng = np.random.default_rng(options.seed)
+    return energy_ratio(*_labeled(candidate, part, options, SAME_SCALE), rng)
 
 
 def _of_any_size(
@@ -124,7 +125,7 @@ def _of_any_size(
     for each in candidates:
         trials = [_labeled(each, part, options, UNKNOWN_SCALE) for part in tried]
         best = int(np.argmax([_fit(*trial) for trial in trials]))
-        ratio = _energy_ratio(*trials[best], options.seed)
+        ratio = energy_ratio(*trials[best], np.random.default_rng(options.seed))
         found.append(Evidence(ratio, float(SIZES[best]) ** 2))
     return tuple(found)
 
@@ -137,11 +138,6 @@ def _labeled(
     similarity = node_similarity(question, spectra)
     problem = labeling_problem(question, similarity, np.random.default_rng(options.seed))
     return problem, first_labeling(problem)
-
-
-def _energy_ratio(problem: Problem, labeling: Labeling, seed: int) -> float:
-    by_chance = chance_energy(problem, np.random.default_rng(seed))
-    return float(labeling.energy / max(by_chance, 1e-12))
 
 
 def _fit(problem: Problem, labeling: Labeling) -> float:

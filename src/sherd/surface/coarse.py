@@ -16,14 +16,11 @@ from sherd.arrays import Ints
 from sherd.descriptors.principal_spectra import PrincipalAxes
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.surface.described import DescribedSurface, Known
-from sherd.surface.samples import Samples
+from sherd.surface.samples import COARSE_COUNT, Samples
 from sherd.surface.working import WorkingSurface
 
 __all__ = ["coarse_arrays", "coarse_from_arrays", "coarse_surface"]
 
-# They lie 0.04 apart. With 1,200, and with the vertices around each label compared as well, the
-# first of eleven full shapes was the same for all of 19 parts; 1,200 take 2.8 times as long.
-LABEL_COUNT = 600
 # Arrays of a coarse surface and how many axes each has.
 AXES = {"vertices": 2, "faces": 2, "between": 2, "directions": 2, "axes": 3, "spectra": 3}
 
@@ -33,7 +30,7 @@ def coarse_surface(surface: DescribedSurface) -> DescribedSurface:
 
     Its mesh joins labels whose cells meet, three at a face.
     """
-    labels = surface.dense.thinned(LABEL_COUNT)
+    labels = surface.dense.thinned(COARSE_COUNT)
     corners = labels.cells[surface.mesh.faces]
     return _surface(
         TriangleMesh(

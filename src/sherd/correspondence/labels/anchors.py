@@ -24,6 +24,7 @@ from sherd.correspondence.labels.labeling_data import State
 __all__ = [
     "candidates_again",
     "chance_energy",
+    "energy_ratio",
     "find_anchors",
     "first_labeling",
     "grown",
@@ -110,6 +111,11 @@ def chance_energy(problem: Problem, rng: np.random.Generator) -> float:
         forbidden=problem.forbidden[order],
     )
     return first_labeling(mixed).energy
+
+
+def energy_ratio(problem: Problem, labeling: Labeling, rng: np.random.Generator) -> float:
+    """Energy of a labeling over :func:`chance_energy`: near 1 where nothing belongs together."""
+    return float(labeling.energy / max(chance_energy(problem, rng), 1e-12))
 
 
 def candidates_again(
