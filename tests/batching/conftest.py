@@ -67,7 +67,7 @@ def stand(tmp_path, exhibit, match_result_of, written, monkeypatch) -> Stand:
     (tmp_path / "scans" / "broken.ply").write_text("ply\nformat ascii 1.0\nelement vertex 5\n")
     result = match_result_of(exhibit)
 
-    def best_match(fulls, part, options):
+    def best_match(fulls, part, options, *, fit_scale):
         made.asked.append(part.original.name)
         made.before(part.original.name)
         return Chosen(fulls[0], result)

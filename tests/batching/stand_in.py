@@ -30,7 +30,7 @@ class Answer(SimpleNamespace):
         return self
 
 
-def best_match(fulls, part, options):
+def best_match(fulls, part, options, *, fit_scale):
     time.sleep(SECONDS)
     vertices = part.original.vertices
     answer = Answer(

@@ -23,6 +23,7 @@ from sherd.batching.work import matched
 from sherd.batching.workers import workers
 from sherd.errors import InputError, OptionError
 from sherd.files.parquet import parquet_bytes
+from sherd.library.fitted_scale import FITTED_ANYWAY
 from sherd.output import write_bytes
 from sherd.report.stored.folder import plain
 from sherd.results.match_options import MatchOptions
@@ -121,6 +122,8 @@ def batch(
     target = Path(folder)
     asked = batch_options or BatchOptions()
     options = _options_of_all(options)
+    if asked.fit_scale and options.scale == "unknown":
+        raise OptionError(FITTED_ANYWAY)
     listed = batch_parts(parts)
     check_batch_folder(target, overwrite=asked.overwrite)
     shapes, missing = full_shapes(_as_sequence(fulls), target, template=asked.template)
@@ -130,6 +133,7 @@ def batch(
         options,
         target,
         min_confidence=asked.min_confidence,
+        fit_scale=asked.fit_scale,
         exports=asked.exports,
         overwrite=asked.overwrite,
         home=Path.cwd(),

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache, partial
 
 from sherd.batching.templates import FullShape, loaded_template
 from sherd.errors import InfeasibleError, OptionError
 from sherd.library.candidate import Candidate
+from sherd.library.fitted_scale import at_fitted_scale
 from sherd.library.identify import identify_among
 from sherd.match import match
 from sherd.output import Stages
@@ -42,8 +43,12 @@ class Chosen:
     doubt: str = ""
 
 
-def best_match(fulls: Sequence[FullShape], part: Intake, options: MatchOptions) -> Chosen:
+def best_match(
+    fulls: Sequence[FullShape], part: Intake, options: MatchOptions, *, fit_scale: bool = False
+) -> Chosen:
     """The part matched with the full shape that it belongs to; see :func:`sherd.identify`.
+
+    With `fit_scale` matched again with that one, at the size that this answer has.
 
     Raises
     ------
@@ -52,6 +57,14 @@ def best_match(fulls: Sequence[FullShape], part: Intake, options: MatchOptions) 
     OptionError
         If a landmark or ignored vertex does not exist, or landmarks are given for several shapes.
     """
+    chosen = _chosen(fulls, part, options)
+    if not fit_scale:
+        return chosen
+    template = loaded_template(chosen.full)
+    return replace(chosen, match=at_fitted_scale(chosen.match, template, part, options))
+
+
+def _chosen(fulls: Sequence[FullShape], part: Intake, options: MatchOptions) -> Chosen:
     if len(fulls) == 1:
         return Chosen(fulls[0], match(loaded_template(fulls[0]), part, options))
     if len(options.landmarks):

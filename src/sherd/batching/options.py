@@ -28,6 +28,9 @@ class BatchOptions:
     ----------
     min_confidence
         Below it a vertex counts as unmatched.
+    fit_scale
+        Whether parts are of other individuals than the full shape: each is matched again at the
+        size that its first answer has, as by :func:`sherd.match_with_fitted_scale`.
     exports
         Further files of each answer, as of :func:`sherd.write_report`; with ``"parquet"`` also
         ``summary.parquet``.
@@ -53,6 +56,7 @@ class BatchOptions:
     """
 
     min_confidence: float = 0.0
+    fit_scale: bool = False
     exports: tuple[str, ...] = ()
     template: Path | None = None
     shard: str | None = None

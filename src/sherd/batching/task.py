@@ -77,6 +77,8 @@ class MatchTask:
         Of the batch.
     min_confidence
         Below it a vertex counts as unmatched.
+    fit_scale
+        Whether it is matched again at the size that the first answer has.
     exports
         Further files.
     overwrite
@@ -95,6 +97,7 @@ class MatchTask:
     options: MatchOptions
     folder: Path
     min_confidence: float = 0.0
+    fit_scale: bool = False
     exports: tuple[str, ...] = ()
     overwrite: bool = False
     home: Path = Path()
@@ -124,6 +127,7 @@ class MatchTask:
                 "fulls": [[full.name, full.content] for full in self.fulls],
                 "options": asdict(self.options),
                 "min_confidence": self.min_confidence,
+                "fit_scale": self.fit_scale,
                 "exports": self.exports,
             }
         )
@@ -155,6 +159,7 @@ class MatchTask:
         for word, value in given.items():
             if value is not None:
                 words += [word, str(value)]
+        words += ["--fit-scale"] if self.fit_scale else []
         for export in self.exports:
             words += ["--export", export]
         return shlex.join([*words, *self.part.words])

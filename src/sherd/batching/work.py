@@ -32,7 +32,7 @@ def matched(task: MatchTask) -> Outcome:
 def _matched(task: MatchTask, read: tuple[Fingerprint, ...]) -> Outcome:
     start = time.perf_counter()
     scan = scan_intake(task.files[0])
-    chosen = best_match(task.fulls, scan, task.options)
+    chosen = best_match(task.fulls, scan, task.options, fit_scale=task.fit_scale)
     full, result = chosen.full, chosen.match
     result = result.with_min_confidence(task.min_confidence)
     kind = ResultKind(MATCH_FORMAT, result.full.name, result.part.name)

@@ -18,11 +18,11 @@ from sherd.output import Stages
 from sherd.results.keywords import options_of
 from sherd.results.match_options import MatchKeywords, MatchOptions
 from sherd.results.match_result import MatchResult
-from sherd.scan.intake import MeshSource, ScanSource, scan_intake
+from sherd.scan.intake import Intake, MeshSource, ScanSource, scan_intake
 from sherd.surface.prepared import as_template
 from sherd.surface.template import Template
 
-__all__ = ["length_ratio_of", "match_with_fitted_scale"]
+__all__ = ["FITTED_ANYWAY", "at_fitted_scale", "length_ratio_of", "match_with_fitted_scale"]
 
 # In sqrt(area) of the full shape: straight lines that are longer are bent by the pose, and shorter
 # ones say how smooth the map is. Of a skull, 3 to 8 mm.
@@ -34,6 +34,10 @@ LITTLE = 0.02
 # Parts of another size than this many times that of the full shape's kind are not of another
 # individual; their scale is unknown.
 LARGEST_RATIO = 1.5
+
+FITTED_ANYWAY = (
+    'scale is "unknown", which is fitted anyway; give another scale, or do not ask to fit it'
+)
 
 
 def match_with_fitted_scale(
@@ -60,18 +64,28 @@ def match_with_fitted_scale(
     """
     options = options_of(MatchOptions, options, keywords)
     if options.scale == "unknown":
-        raise OptionError(
-            'scale is "unknown", which is fitted anyway; give another one, or use match'
-        )
+        raise OptionError(FITTED_ANYWAY)
     stages = stages or Stages(visible=False)
     template, scan = as_template(full), scan_intake(part)
     first = match(template, scan, options, stages=stages)
+    return at_fitted_scale(first, template, scan, options, stages=stages)
+
+
+def at_fitted_scale(
+    first: MatchResult,
+    template: Template,
+    part: Intake,
+    options: MatchOptions,
+    *,
+    stages: Stages | None = None,
+) -> MatchResult:
+    """The second match, where a first one with these options is there already."""
     ratio = length_ratio_of(first)
     if not LITTLE < abs(np.log(ratio)) < np.log(LARGEST_RATIO):
         return first
     fitted = replace(options, scale=first.scale * ratio, part_unit=None, full_unit=None)
     try:
-        second = match(template, scan, fitted, stages=stages)
+        second = match(template, part, fitted, stages=stages)
     except InfeasibleError:  # so much larger it would not fit on the full shape
         return first
     return second if second.best.score > first.best.score else first

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import nullcontext
 from dataclasses import asdict
 from functools import partial
@@ -19,7 +19,7 @@ from sherd.batching.options import BatchOptions
 from sherd.batching.pairs.all_pairs import PairsResult
 from sherd.batching.pairs.all_pairs import all_pairs as pairs_of
 from sherd.batching.parts import PartSource
-from sherd.batching.specimens import ANY_TEMPLATE, carried_to_parts
+from sherd.batching.specimens import ANY_TEMPLATE, carried_to_parts, folders_by_template
 from sherd.cli.batch.part_table import parts_of_table
 from sherd.cli.exits import NOT_CONVERGED, SOME_FAILED
 from sherd.cli.first_run import prepare_first_run
@@ -32,10 +32,10 @@ from sherd.cli.options import (
     side_option,
     template_option,
 )
-from sherd.landmarks.landmark_list import Space
+from sherd.landmarks.landmark_list import Landmarks, Space
 from sherd.landmarks.landmark_table import landmark_table
 from sherd.mesh.units import UNITS, Unit
-from sherd.output import write_text
+from sherd.output import require_writable, write_text
 from sherd.report.exports import MAP_EXPORTS, SHAPE_EXPORTS
 from sherd.results.match_options import SCALES, MatchOptions, Scale
 from sherd.results.overlap_options import OverlapOptions
@@ -90,9 +90,16 @@ LANDMARKS = "landmarks.csv"
     "named",
     metavar="[FULL=]FILE",
     multiple=True,
-    help="Landmarks of FULL (.mrk.json, .fcsv, .csv): on all parts in landmarks.csv.",
+    help="Landmarks of FULL (.mrk.json, .fcsv, .csv): on all parts in landmarks.csv. With several "
+    "FULL each part is matched with all, and the median is taken.",
 )
 @mesh_space_option
+@click.option(
+    "--fit-scale/--no-fit-scale",
+    default=None,
+    help="Parts are of other individuals than FULL: match each again at the size that the first "
+    "answer has. On with --landmarks.",
+)
 @seed_option
 @click.option(
     "--export",
@@ -131,6 +138,7 @@ def batch_command(  # noqa: PLR0913 - one for each word that can be typed
     min_confidence: float,
     named: tuple[str, ...],
     mesh_space: Space | None,
+    fit_scale: bool | None,
     seed: int,
     exports: tuple[str, ...],
     file_format: str,
@@ -157,6 +165,8 @@ def batch_command(  # noqa: PLR0913 - one for each word that can be typed
       sherd batch template.ply --parts scans/ -o out/ --shard 1/10
       sherd batch --collect out/
       sherd batch skull.ply --parts scans/ --landmarks skull.mrk.json -o out/
+      sherd batch A.ply B.ply --parts scans/ -o out/ --landmarks A.ply=A.fcsv \
+        --landmarks B.ply=B.fcsv
       sherd batch template.ply --parts scans/ -o out/ --dask tcp://10.0.0.1:8786
       sherd batch --all-pairs fragments/ -o pairs/
     """  # noqa: D301
@@ -175,40 +185,54 @@ def batch_command(  # noqa: PLR0913 - one for each word that can be typed
         raise click.UsageError("--all-pairs has no full shape: leave out what is about one")
     if template is not None and len(fulls) > 1:
         raise click.UsageError("--template is of one full shape; of several, -o keeps them")
-    lists = landmarks_by_template(named)
-    if lists and (pairs or shard):
+    if named and (pairs or shard):
         raise click.UsageError(
             "--landmarks is for a whole batch with a full shape; of shards, use sherd landmarks "
             "when all are there"
         )
-    without = {full.name for full in fulls} - set(lists)
-    if lists and ANY_TEMPLATE not in lists and without:
-        raise click.UsageError(f"--landmarks: none are given for {', '.join(sorted(without))}")
+    lists = _landmarks_of(fulls, named)
     if dask is not None and jobs is not None:
         raise click.UsageError("--jobs are processes here; a Dask cluster brings its own")
     asked = BatchOptions(
         min_confidence=min_confidence,
+        fit_scale=(bool(lists) and scale != "unknown") if fit_scale is None else fit_scale,
         exports=exports if file_format == "csv" else (*exports, "parquet"),
         template=template,
         shard=shard,
         memory=None if memory is None else round(memory * 1e9),
         overwrite=overwrite,
     )
-    ask: Callable[..., BatchResult | PairsResult]
+    questions: list[Callable[..., BatchResult | PairsResult]]
     if all_pairs is not None:
-        ask = partial(pairs_of, all_pairs, output, OverlapOptions(scale=scale, seed=seed))
+        questions = [partial(pairs_of, all_pairs, output, OverlapOptions(scale=scale, seed=seed))]
     else:
         options = MatchOptions(
             scale=scale, side=side, seed=seed, part_unit=part_unit, full_unit=full_unit
         )
-        ask = partial(batch, list(fulls), _source(parts or ""), output, options)
+        source = _source(parts or "")
+        shapes = {output: list(fulls)}
+        if lists and len(fulls) > 1:  # what landmarks are on is of one kind: all are asked
+            shapes = {own: [full] for full, own in folders_by_template(fulls, output).items()}
+            require_writable(output / LANDMARKS)
+        questions = [partial(batch, each, source, own, options) for own, each in shapes.items()]
     prepare_first_run(quiet=quiet)
     with nullcontext() if dask is None else dask_executor(dask) as executor:
-        result = ask(batch_options=asked, jobs=jobs, executor=executor, tell=tell)
-    if lists and isinstance(result, BatchResult):
-        carried = carried_to_parts(result, lists, mesh_space=mesh_space)
-        write_text(result.folder / LANDMARKS, landmark_table(carried))
-    return _finish(result, quiet=quiet or as_json)
+        results = [
+            ask(batch_options=asked, jobs=jobs, executor=executor, tell=tell) for ask in questions
+        ]
+    if lists:
+        batches = [each for each in results if isinstance(each, BatchResult)]
+        carried = carried_to_parts(batches, lists, mesh_space=mesh_space)
+        write_text(output / LANDMARKS, landmark_table(carried))
+    return max(_finish(each, quiet=quiet or as_json) for each in results)
+
+
+def _landmarks_of(fulls: Sequence[Path], named: Sequence[str]) -> dict[str, Landmarks]:
+    lists = landmarks_by_template(named)
+    without = {full.name for full in fulls} - set(lists)
+    if lists and ANY_TEMPLATE not in lists and without:
+        raise click.UsageError(f"--landmarks: none are given for {', '.join(sorted(without))}")
+    return lists
 
 
 def _source(parts: str) -> PartSource:
