@@ -15,7 +15,7 @@ check: .venv/development
 	$(BIN)/ruff check .
 	$(BIN)/mypy
 
-package: .venv/development  ## build wheel and archive, install each alone in a fresh environment, run its demo
+package: .venv/development  ## build wheel and archive, install the wheel alone in a fresh environment, run its demo
 	$(BIN)/python packaging/check_package.py
 
 docs: .venv/documentation  ## build the pages into docs/_build; warnings are errors

@@ -1,7 +1,8 @@
-"""Build wheel and source archive, install each alone in a fresh environment, and run its demo.
+"""Build wheel and source archive, install the wheel alone in a fresh environment, run its demo.
 
+The archive must make the same wheel, file by file, so that one environment answers for both.
 ``PYTHONS`` names the interpreters, this one if not set. Needs a package index, as any installation
-does, and takes some minutes: loops are compiled anew in each environment.
+does, and takes a minute or two each: loops are compiled anew in each environment.
 """
 
 from __future__ import annotations
@@ -9,7 +10,9 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+import tarfile
 import tempfile
+import zipfile
 from pathlib import Path
 
 from hatchling.build import build_sdist, build_wheel
@@ -23,13 +26,34 @@ def main() -> None:
     pythons = os.environ.get("PYTHONS", sys.executable).split()
     with tempfile.TemporaryDirectory() as folder:
         dist = Path(folder)
-        packages = [dist / build_wheel(folder), dist / build_sdist(folder)]
-        for python in pythons:
-            for package in packages:
-                _check(python, package, dist / f"{Path(python).name}-{package.suffix[1:]}")
+        wheel, archive = dist / build_wheel(folder), dist / build_sdist(folder)
+        _check_archive(archive, wheel, dist / "unpacked")
+        for number, python in enumerate(pythons):
+            _check_wheel(python, wheel, dist / f"environment-{number}")
 
 
-def _check(python: str, package: Path, environment: Path) -> None:
+def _check_archive(archive: Path, wheel: Path, folder: Path) -> None:
+    """The wheel that the archive makes has the same files as `wheel`."""
+    with tarfile.open(archive) as content:
+        content.extractall(folder, filter="data")
+    (source,) = folder.iterdir()
+    os.chdir(source)
+    again = source / build_wheel(str(source))
+    os.chdir(ROOT)
+    first, second = _checksums(wheel), _checksums(again)
+    if first != second:
+        names = sorted(name for name, _ in first.items() ^ second.items())
+        sys.exit(f"{archive.name} makes another wheel; they differ in {', '.join(names[:5])}")
+    sys.stdout.write(f"{archive.name} makes the same wheel, {len(first)} files\n")
+
+
+def _checksums(wheel: Path) -> dict[str, int]:
+    with zipfile.ZipFile(wheel) as archive:
+        return {each.filename: each.CRC for each in archive.infolist()}
+
+
+def _check_wheel(python: str, package: Path, environment: Path) -> None:
+    """It installs without extras, and its demo runs there."""
     _run([python, "-m", "venv", environment])
     own = environment / "bin" / "python"
     constraints = ROOT / "constraints.txt"

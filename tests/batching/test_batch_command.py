@@ -8,7 +8,7 @@ import json
 import pytest
 from pyarrow import parquet
 
-from sherd.cli.exits import NOT_CONVERGED, SOME_FAILED, USAGE
+from sherd.cli.exits import INVALID_INPUT, NOT_CONVERGED, SOME_FAILED, USAGE
 
 WORDS = ("batch", "whole.ply", "--parts", "scans", "-o", "out")
 
@@ -127,3 +127,11 @@ def test_landmarks_of_the_full_shape_are_carried_to_all_parts(
     done = command(*WORDS, "--landmarks", "tips.csv", "--shard", "1/2")
     assert done.exit_code == USAGE
     assert "when all are there" in done.stderr
+
+
+def test_a_template_that_cannot_be_read_is_refused_once(command, stand) -> None:
+    (stand.folder / "horse.npz").mkdir()
+    done = command(*WORDS, "--template", "horse.npz")
+    assert done.exit_code == INVALID_INPUT
+    assert "horse.npz: cannot be read as a template" in done.stderr
+    assert stand.asked == []

@@ -183,6 +183,7 @@ def test_the_commands_refuse_what_they_cannot_do(files, tmp_path) -> None:
     assert not out.exists()
     assert "is no library" in said(identify_command, tmp_path, part, "-o", out)
     lump = files / "lump.ply"
+    assert "a library is a folder" in said(template_command, lump, "-o", tmp_path / "lump.npz")
     assert "is named twice" in said(template_command, lump, lump, "-o", out)
     twice = said(template_command, files / "lump.ply", "-o", files / "library")
     assert "in the library already" in twice

@@ -18,7 +18,7 @@ from sherd.batching.options import BatchOptions
 from sherd.batching.parts import BatchPart, PartSource, batch_parts, shared_list
 from sherd.batching.run import BatchRun
 from sherd.batching.task import MatchTask
-from sherd.batching.templates import full_shapes, prepare_templates
+from sherd.batching.templates import full_shapes, loaded_template, prepare_templates
 from sherd.batching.work import matched
 from sherd.batching.workers import workers
 from sherd.errors import InputError, OptionError
@@ -154,6 +154,8 @@ def batch(
         try:
             with run:
                 prepare_templates(missing if run.left else {})
+                if run.left and asked.template is not None:
+                    loaded_template(shapes[0])  # one that is damaged fails here, not for each part
                 with workers(jobs, executor, asked.memory, len(run.left)) as (pool, window):
                     run.compute(matched, pool, window)
         finally:

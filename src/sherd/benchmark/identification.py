@@ -156,8 +156,8 @@ def identification_summary(rows: Sequence[IdentificationRow]) -> dict[str, Any]:
     """Shares of right answers, of own shapes first by evidence, and time in matches."""
     own = [row for row in rows if row.present and row.share >= LEAST_SHARE]
     without = [row for row in rows if not row.present]
-    matches = [row.seconds / row.match_seconds for row in rows if row.match_seconds > 0]
-    evidence = [row.evidence_seconds / row.match_seconds for row in rows if row.match_seconds > 0]
+    asked = [row for row in rows if row.match_seconds > 0]
+    evidence = [row.evidence_seconds / row.match_seconds for row in asked]
     return {
         "parts": len(own),
         "right": _share([row.right for row in own]),
@@ -167,7 +167,8 @@ def identification_summary(rows: Sequence[IdentificationRow]) -> dict[str, Any]:
         "second_or_first_by_evidence": _share([0 < row.rank <= 2 for row in own]),
         "without_own": len(without),
         "without_own_called_good": _share([row.status == "GOOD" for row in without]),
-        "time_in_matches": float(np.mean(matches)) if matches else None,
+        "time_in_matches": _mean_time([row for row in asked if row.present]),
+        "time_in_matches_without_own": _mean_time([row for row in asked if not row.present]),
         "evidence_in_matches": float(np.mean(evidence)) if evidence else None,
     }
 
@@ -187,6 +188,10 @@ def identification_table(rows: Sequence[IdentificationRow]) -> str:
         shown = "-" if value is None else value if isinstance(value, int) else f"{value:.3f}"
         lines.append(f"{key.replace('_', ' ')}: {shown}")
     return "\n".join(lines)
+
+
+def _mean_time(rows: Sequence[IdentificationRow]) -> float | None:
+    return float(np.mean([row.seconds / row.match_seconds for row in rows])) if rows else None
 
 
 def _share(said: Sequence[bool]) -> float | None:

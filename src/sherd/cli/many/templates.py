@@ -36,6 +36,11 @@ def template_command(fulls: tuple[Path, ...], output: Path, *, overwrite: bool, 
       sherd template cat.ply horse.ply wolf.ply -o library/
       sherd template dog.ply -o library/
     """  # noqa: D301
+    if output.suffix.lower() == ".npz":
+        raise click.UsageError(
+            f"-o {output}: a library is a folder; a file for --template is made by the first "
+            "command that names it, such as sherd match"
+        )
     library = Library.open_or_new(output, overwrite=overwrite)
     intakes = [mesh_intake(path) for path in fulls]  # a file that cannot be read ends it at once
     _refuse_repeated(intakes)
