@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import trimesh
+from threadpoolctl import threadpool_info
 
 from sherd.errors import InfeasibleError, OptionError
 from sherd.match import match
@@ -89,6 +90,23 @@ def test_the_same_question_has_the_same_answer_bit_for_bit(
     assert np.array_equal(again.confidence, result.confidence)
     assert again.best.score == result.best.score
     assert (again.second_score, again.twin_score) == (result.second_score, result.twin_score)
+
+
+def test_sums_do_not_depend_on_the_number_of_threads(template, piece, monkeypatch) -> None:
+    """BLAS splits a sum over more than 10,000 numbers by threads, which changes its last digit."""
+
+    class Seen(Exception):
+        pass
+
+    def seen(*_: object) -> None:
+        raise Seen(
+            [each["num_threads"] for each in threadpool_info() if each["user_api"] == "blas"]
+        )
+
+    monkeypatch.setattr("sherd.match.placed_part", seen)
+    with pytest.raises(Seen) as raised:
+        match(template, piece.mesh)
+    assert set(raised.value.args[0]) == {1}
 
 
 def test_the_full_shape_itself_maps_to_itself(template: Template) -> None:

@@ -44,6 +44,7 @@ from sherd.scan.intake import Intake, MeshSource, ScanSource, scan_intake
 from sherd.scan.numbering import turned_as_repaired
 from sherd.surface.prepared import as_template
 from sherd.surface.template import Template
+from sherd.threads import one_blas_thread
 
 __all__ = ["STAGES", "PlacedPart", "match", "match_one_side", "match_result", "placed_part"]
 
@@ -128,7 +129,8 @@ def match_one_side(
     template: Template, part: Intake, options: MatchOptions, stages: Stages
 ) -> MatchResult:
     """Match a part whose faces look outward: the method; see :func:`match`."""
-    return match_result(placed_part(template, part, options, stages), stages)
+    with one_blas_thread():  # sums over 10,000 vertices would depend on how many there are
+        return match_result(placed_part(template, part, options, stages), stages)
 
 
 def match_result(placed: PlacedPart, stages: Stages) -> MatchResult:

@@ -302,7 +302,7 @@ def test_print_shows_the_picture(opened, small_report):
     tab.emulate_media(media="print")
     assert tab.locator(".still img").is_visible()
     assert not tab.locator("#canvas").is_visible()
-    assert tab.evaluate("document.querySelector('.still img').naturalWidth") == 1400
+    assert tab.evaluate("document.querySelector('.still img').naturalWidth") == 1600
 
 
 def test_region_without_map(opened, exhibit, tmp_path):

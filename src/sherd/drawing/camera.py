@@ -10,6 +10,7 @@ from scipy.spatial import ConvexHull, QhullError, cKDTree
 from sherd.arrays import Bools, Floats
 from sherd.mesh.topology import half_edges
 from sherd.mesh.triangle_mesh import TriangleMesh
+from sherd.threads import begun
 
 __all__ = ["View", "best_view", "orbit_view", "orientation", "upward"]
 
@@ -102,18 +103,24 @@ def best_view(mesh: TriangleMesh, region: Bools, up: Floats) -> View:
     total = max(float(mesh.face_areas[marked].sum()), np.finfo(float).tiny)
     size = max(float(np.linalg.norm(np.ptp(mesh.vertices, axis=0))), np.finfo(float).tiny)
     best, best_score = View(orbit_view(up, 0.0, 0.0)), -1.0
+    turns = 360.0 * (np.arange(AZIMUTHS) + 0.5) / AZIMUTHS
     principal = _principal_azimuth(mesh, up)
-    for elevation, bonus in zip(ELEVATIONS, ELEVATION_BONUS, strict=True):
-        for step in range(AZIMUTHS):
-            azimuth = principal + 360.0 * (step + 0.5) / AZIMUTHS
-            rotation = orbit_view(up, azimuth, elevation)
-            seen, outline, visible = _seen_areas(mesh, marked, rotation, size)
-            oblique = abs(np.sin(2 * np.radians(azimuth - principal)))
-            score = (
-                bonus * (1 + OBLIQUE_BONUS * oblique) * (seen / total + 0.25 * outline / mesh.area)
-            )
-            if score > best_score + 1e-12:
-                best, best_score = View(rotation, visible), score
+    views = [
+        (bonus * (1 + OBLIQUE_BONUS * abs(np.sin(2 * np.radians(turn)))), rotation)
+        for elevation, bonus in zip(ELEVATIONS, ELEVATION_BONUS, strict=True)
+        for turn in turns
+        for rotation in [orbit_view(up, principal + turn, elevation)]
+    ]
+
+    def looked(some: list[tuple[float, Floats]]) -> list[tuple[float, float, float]]:
+        return [_seen_areas(mesh, marked, rotation, size) for _, rotation in some]
+
+    half = begun(lambda: looked(views[len(views) // 2 :]))
+    areas = looked(views[: len(views) // 2]) + half()
+    for (liking, rotation), (seen, outline, visible) in zip(views, areas, strict=True):
+        score = liking * (seen / total + 0.25 * outline / mesh.area)
+        if score > best_score + 1e-12:
+            best, best_score = View(rotation, visible), score
     return best
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import os
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
@@ -19,8 +20,9 @@ from sherd.errors import OptionError
 from sherd.limits import require_memory, require_whole
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.output import write_bytes
+from sherd.threads import begun
 
-__all__ = ["Staging", "picture", "stage", "write_picture"]
+__all__ = ["Staging", "picture", "png_bytes", "stage", "without_heading", "write_picture"]
 
 
 INK = (28, 32, 38, 255)
@@ -35,6 +37,8 @@ LEAST_EXTENT_SHARE = 0.55
 SCALE_BAR = 120
 # White around a shape, relative to its panel.
 MARGIN = 0.05
+# Rows of a picture 1,600 wide: for title and verdict, and free above the shapes.
+HEADING, ABOVE = 70, 30
 # Two shapes with words need 400 pixels; 10,000 are A3 across at 600 dots per inch.
 WIDTHS = (400, 10_000)
 # A panel is half as wide as the picture and 0.4 of its width high; its depths and faces are kept
@@ -113,7 +117,7 @@ def picture(
     scales = [part_scale if panel.role == exhibit.names[1] else scale for panel in panels]
     tallest = max(panel.extent[1] * pixels for panel, pixels in zip(panels, scales, strict=True))
     size = (size[0], min(size[1], round(tallest * (1 + 2 * MARGIN))))
-    top, bottom = round((100 if heading else 30) * unit), round(176 * unit)
+    top, bottom = round((HEADING + ABOVE if heading else ABOVE) * unit), round(176 * unit)
     background = (255, 255, 255, 0 if transparent else 255)
     image = Image.new("RGBA", (width, top + size[1] + bottom), background)
     draw = ImageDraw.Draw(image)
@@ -123,8 +127,13 @@ def picture(
         if exhibit.verdict is not None and not exhibit.verdict.trusted:
             below = (place[0], round(72 * unit))
             draw.text(below, exhibit.verdict.words, fill=AMBER, font=_font(26 * unit))
+    rendered = [
+        begun(partial(_rendered, panel, size, pixels))
+        for panel, pixels in zip(panels[1:], scales[1:], strict=True)
+    ]
+    rendered.insert(0, partial(_rendered, panels[0], size, scales[0]))
     for index, (panel, pixels) in enumerate(zip(panels, scales, strict=True)):
-        image.alpha_composite(_rendered(panel, size, pixels), (index * size[0], top))
+        image.alpha_composite(rendered[index](), (index * size[0], top))
         middle = (index * size[0] + size[0] // 2, top + size[1] + round(24 * unit))
         _write_caption(draw, panel, middle=middle, unit=unit, room=size[0])
         _draw_scale_bar(draw, panel, pixels, middle=middle, unit=unit)
@@ -147,6 +156,12 @@ def write_picture(
         If the file cannot be written.
     """
     write_bytes(path, png_bytes(picture(exhibit, layer=layer)))
+
+
+def without_heading(image: Image.Image) -> Image.Image:
+    """What :func:`picture` with a heading is without one."""
+    top = round((HEADING + ABOVE) * image.width / 1600) - round(ABOVE * image.width / 1600)
+    return image.crop((0, top, image.width, image.height))
 
 
 def png_bytes(image: Image.Image) -> bytes:

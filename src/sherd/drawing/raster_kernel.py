@@ -15,6 +15,8 @@ __all__ = ["covered_faces", "shaded_image"]
 TILE = 16
 # Finding where a row of pixels crosses a face costs as much as testing so many of them.
 WIDE = 8
+# A pixel on the edge of two faces is at least in one of them, whichever way it is rounded.
+ROUNDING = -1e-9
 
 
 def covered_faces(points: Floats, faces: Ints, *, width: int, height: int) -> NDArray[np.int32]:
@@ -90,7 +92,7 @@ def _large_faces(points, faces):
     """(m,) bool, whether the box around a face is larger than a tile."""
     large = np.zeros(len(faces), np.bool_)
     for face in range(len(faces)):
-        a, b, c = points[faces[face, 0]], points[faces[face, 1]], points[faces[face, 2]]
+        a, b, c = _corners(points, faces, face)
         wide = max(a[0], b[0], c[0]) - min(a[0], b[0], c[0])
         high = max(a[1], b[1], c[1]) - min(a[1], b[1], c[1])
         large[face] = wide * high > TILE * TILE
@@ -105,7 +107,7 @@ def _nearest_faces(points, faces, drawn, width, height):
     # faces as large as the picture are drawn about as fast as thousands of small ones
     farthest = np.full((height // TILE + 1, width // TILE + 1), np.inf)
     for face in range(len(faces)):
-        a, b, c = points[faces[face, 0]], points[faces[face, 1]], points[faces[face, 2]]
+        a, b, c = _corners(points, faces, face)
         area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
         if area == 0.0 or not drawn[face]:
             continue
@@ -142,6 +144,16 @@ def _nearest_faces(points, faces, drawn, width, height):
 
 
 @compiled()
+def _corners(points, faces, face):
+    """As tuples of numbers: rows of an array, looked up at every pixel, take four times as long."""
+    i, j, k = faces[face, 0], faces[face, 1], faces[face, 2]
+    a = (points[i, 0], points[i, 1], points[i, 2])
+    b = (points[j, 0], points[j, 1], points[j, 2])
+    c = (points[k, 0], points[k, 1], points[k, 2])
+    return a, b, c
+
+
+@compiled()
 def _across(a, b, c, top, bottom):
     """Least and largest column of a triangle between two rows; of long slivers it is little."""
     low, high = np.inf, -np.inf
@@ -167,20 +179,24 @@ def _draw(depth, nearest, face, corners, area, box):
     a, b, c = corners
     left, right, top, bottom = box
     drawn = False
+    # barycentric coordinates and depth along a row: affine in the column
+    u_step, v_step = (b[1] - c[1]) / area, (c[1] - a[1]) / area
+    z_step = u_step * (a[2] - c[2]) + v_step * (b[2] - c[2])
     for row in range(top, bottom + 1):
         y = row + 0.5
+        u_start = (b[0] * (c[1] - y) - (b[1] - y) * c[0]) / area
+        v_start = (c[0] * (a[1] - y) - (c[1] - y) * a[0]) / area
+        z_start = c[2] + u_start * (a[2] - c[2]) + v_start * (b[2] - c[2])
         first, last = left, right
         if right - left >= WIDE:
             low, high = _across(a, b, c, y, y)
             first, last = max(left, int(low) - 1), min(right, int(high) + 1)
         for column in range(first, last + 1):
             x = column + 0.5
-            u = ((b[0] - x) * (c[1] - y) - (b[1] - y) * (c[0] - x)) / area
-            v = ((c[0] - x) * (a[1] - y) - (c[1] - y) * (a[0] - x)) / area
-            w = 1.0 - u - v
-            if u < 0.0 or v < 0.0 or w < 0.0:
+            u, v = u_start + u_step * x, v_start + v_step * x
+            if u < ROUNDING or v < ROUNDING or 1.0 - u - v < ROUNDING:
                 continue
-            z = u * a[2] + v * b[2] + w * c[2]
+            z = z_start + z_step * x
             if z < depth[row, column]:
                 depth[row, column] = z
                 nearest[row, column] = face
@@ -222,7 +238,7 @@ def _ray(face, x, y, points, faces, normals, colors, two_sided):
     readable; a weak highlight and darker rims give depth. The inside of a shell is grayer.
     """
     i, j, k = faces[face, 0], faces[face, 1], faces[face, 2]
-    a, b, c = points[i], points[j], points[k]
+    a, b, c = _corners(points, faces, face)
     area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
     u = ((b[0] - x) * (c[1] - y) - (b[1] - y) * (c[0] - x)) / area
     v = ((c[0] - x) * (a[1] - y) - (c[1] - y) * (a[0] - x)) / area

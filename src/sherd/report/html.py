@@ -10,10 +10,12 @@ import json
 import os
 import re
 from collections.abc import Mapping
+from dataclasses import dataclass
 from importlib import resources
 from typing import Any
 
 import numpy as np
+from PIL import Image
 
 from sherd.drawing.exhibit import Exhibit, Verdict
 from sherd.drawing.picture import Staging, picture, png_bytes, stage
@@ -21,13 +23,11 @@ from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.output import write_text
 from sherd.report.payload import payload
 from sherd.report.strain_curve import strain_curve_svg
-from sherd.report.thinning import LARGEST_SHOWN, thinned
+from sherd.report.thinning import LARGEST_SHOWN, Thinned, thinned
 from sherd.report.tradeoff import tradeoff_svg
 
-__all__ = ["page", "write_page"]
+__all__ = ["Packed", "packed", "page", "page_of", "write_page"]
 
-# The picture serves print (eight inches at 175 dots) and browsers without WebGL.
-PICTURE_WIDTH = 1400
 # Tables of facts say more entries than this by their number: ignored vertices are thousands.
 LONGEST_LIST = 20
 
@@ -55,10 +55,44 @@ def page(exhibit: Exhibit, *, largest: int = LARGEST_SHOWN, staging: Staging | N
     About .75 MB plus 25 bytes per vertex and layer-pair; coordinates and scalars are shown to
     1/65,000 of their range.
     """
+    shown = packed(exhibit, largest=largest, staging=staging)
+    return page_of(
+        exhibit, shown, picture(shown.light.exhibit, heading=False, staging=shown.staging)
+    )
+
+
+@dataclass(frozen=True)
+class Packed:
+    """What the page's script draws.
+
+    Attributes
+    ----------
+    light
+        The exhibit with as many vertices as are shown.
+    staging
+        The camera.
+    meta, data
+        See :func:`sherd.report.payload.payload`.
+    """
+
+    light: Thinned
+    staging: Staging
+    meta: dict[str, Any]
+    data: str
+
+
+def packed(
+    exhibit: Exhibit, *, largest: int = LARGEST_SHOWN, staging: Staging | None = None
+) -> Packed:
+    """The first half of :func:`page`: no picture is needed yet."""
     light = thinned(exhibit, largest=largest)
     staging = staging or stage(light.exhibit)
     meta, data = payload(light, staging)
-    image = picture(light.exhibit, width=PICTURE_WIDTH, heading=False, staging=staging)
+    return Packed(light, staging, meta, data)
+
+
+def page_of(exhibit: Exhibit, shown: Packed, image: Image.Image) -> str:
+    """The second half of :func:`page`; the picture serves print and browsers without WebGL."""
     script = _asset("viewer.js")
     digest = base64.b64encode(hashlib.sha256(script.encode("utf-8")).digest()).decode("ascii")
     parts = {
@@ -73,15 +107,17 @@ def page(exhibit: Exhibit, *, largest: int = LARGEST_SHOWN, staging: Staging | N
         "picture_words": html.escape(" ".join((exhibit.title, *exhibit.summary))),
         "tradeoff": _strain_curve(exhibit) + _tradeoff(exhibit),
         "summary": _summary(exhibit.summary),
-        "notice": _card("Decimated view", light.notice, kind="notice wide") if light.notice else "",
+        "notice": _card("Decimated view", shown.light.notice, kind="notice wide")
+        if shown.light.notice
+        else "",
         "command": _command(exhibit.command),
         "facts": _facts(exhibit.facts),
         "version": importlib.metadata.version("sherd"),
         "style": _asset("viewer.css"),
         "script": script,
         "script_hash": f"'sha256-{digest}'",
-        "meta": _json(meta),
-        "data": data,
+        "meta": _json(shown.meta),
+        "data": shown.data,
     }
     # one pass, so that nothing inside a value is taken for a placeholder
     return re.sub(r"\{\{(\w+)\}\}", lambda match: parts[match[1]], _asset("page.html"))

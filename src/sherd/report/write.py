@@ -7,12 +7,12 @@ from collections.abc import Callable
 from typing import Any, TypeAlias
 
 from sherd.arrays import Floats
-from sherd.drawing.picture import picture, png_bytes, stage
+from sherd.drawing.picture import picture, png_bytes, stage, without_heading
 from sherd.errors import InputError
 from sherd.report.exports import exported
 from sherd.report.fitted.fit_report import fit_report
 from sherd.report.frame import Report
-from sherd.report.html import page
+from sherd.report.html import packed, page_of
 from sherd.report.locate_report import locate_report
 from sherd.report.many.identify_report import identify_report
 from sherd.report.match_report import match_report
@@ -100,9 +100,11 @@ def write_report(
         for name, content in report.files.items():
             output.add(name, content)
         camera = stage(report.exhibit)
-        html = begun(lambda: page(report.exhibit, staging=camera))  # draws too: one core each
-        output.add(report.picture_name, png_bytes(picture(report.exhibit, staging=camera)))
-        output.add("report.html", html())
+        shown = begun(lambda: packed(report.exhibit, staging=camera))
+        image = picture(report.exhibit, staging=camera)
+        png = begun(lambda: png_bytes(image))
+        output.add("report.html", page_of(report.exhibit, shown(), without_heading(image)))
+        output.add(report.picture_name, png())
         for name, content in exported(report.exhibit, exports).items():
             output.add(name, content)
         return output.finish(document)
