@@ -2,23 +2,12 @@
 
 from __future__ import annotations
 
-import shutil
-
 import numpy as np
 import pytest
 
 from sherd.fitting.fit import fit
 from sherd.report.html import write_page
 from sherd.report.write import report_of
-
-sync_api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
-CHROMIUM = shutil.which("chromium") or shutil.which("google-chrome")
-FLAGS = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
-         "--disable-background-networking"]  # fmt: skip
-pytestmark = pytest.mark.skipif(
-    CHROMIUM is None,
-    reason="no Chromium in the path; the page is not tested (apt install chromium)",
-)
 
 
 @pytest.fixture(scope="module")
@@ -27,16 +16,10 @@ def shown(match_result_of, exhibit):
 
 
 @pytest.fixture(scope="module")
-def tab(shown, tmp_path_factory):
+def tab(shown, shown_page, tmp_path_factory):
     path = tmp_path_factory.mktemp("fit") / "report.html"
     write_page(shown, path)
-    with sync_api.sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
-        page = browser.new_page(viewport={"width": 1300, "height": 900})
-        page.goto(path.as_uri())
-        page.evaluate("window.sherd.ready")
-        yield page
-        browser.close()
+    return shown_page(path)
 
 
 def positions(tab, shape) -> np.ndarray:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import shutil
 from pathlib import Path
 
 import numpy as np
@@ -12,30 +11,6 @@ import pytest
 from sherd.drawing.exhibit import Exhibit
 from sherd.report.html import write_page
 from sherd.report.notebook import show
-
-sync_api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
-CHROMIUM = (
-    shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-)
-FLAGS = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
-         "--disable-background-networking"]  # fmt: skip
-pytestmark = pytest.mark.skipif(
-    CHROMIUM is None,
-    reason="no Chromium in the path; the viewer is not tested (apt install chromium)",
-)
-
-
-@pytest.fixture(scope="module")
-def engine():
-    with sync_api.sync_playwright() as playwright:
-        yield playwright.chromium
-
-
-@pytest.fixture(scope="module")
-def browser(engine):
-    running = engine.launch(executable_path=CHROMIUM, args=FLAGS)
-    yield running
-    running.close()
 
 
 @pytest.fixture(scope="module")
@@ -343,16 +318,14 @@ def test_decimated_view_keeps_the_numbers_of_the_file(opened, exhibit_of_size, t
     assert "decimated" in tab.inner_text(".notice")
 
 
-def test_without_webgl_a_picture_is_shown(engine, small_report):
-    browser = engine.launch(executable_path=CHROMIUM, args=["--no-sandbox", "--disable-3d-apis"])
-    tab = browser.new_page()
+def test_without_webgl_a_picture_is_shown(launched, small_report):
+    tab = launched(["--no-sandbox", "--disable-3d-apis"]).new_page()
     tab.goto(small_report.as_uri())
     tab.evaluate("window.sherd.ready")
     assert tab.evaluate("document.documentElement.dataset.view") == "still"
     assert tab.locator(".still img").is_visible()
     assert "WebGL" in tab.inner_text(".still figcaption")
     assert tab.locator("#command").is_visible()
-    browser.close()
 
 
 def test_without_scripts_a_picture_is_shown(browser, small_report):
