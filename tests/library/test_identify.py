@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import jsonschema
@@ -11,6 +12,8 @@ import pytest
 import trimesh
 from click.testing import CliRunner
 
+from sherd.batching.batch import batch
+from sherd.batching.options import BatchOptions
 from sherd.cli.many.identifying import identify_command
 from sherd.cli.many.templates import template_command
 from sherd.errors import InfeasibleError, InputError, OptionError
@@ -169,6 +172,21 @@ def test_the_command_asks_a_library(files, tmp_path, found) -> None:
     assert "belongs to animal.ply" in done.output
     stored = read_match(tmp_path / "out")
     np.testing.assert_array_equal(stored.points.faces, found.match.points.faces)
+
+
+def test_a_batch_asks_a_library(files, tmp_path, found) -> None:
+    with ThreadPoolExecutor(1) as here:
+        done = batch(files / "library", [files / "part.ply"], tmp_path / "out", executor=here)
+    (row,) = done.rows
+    assert (row.full, row.status) == ("animal.ply", "good")
+    stored = read_match(tmp_path / "out" / "parts" / "part")
+    np.testing.assert_array_equal(stored.points.faces, found.match.points.faces)
+    document = json.loads((tmp_path / "out" / "parts" / "part" / "result.json").read_text())
+    assert "--template" in document["command"]
+    assert not (tmp_path / "out" / "templates").exists()
+    wrong = BatchOptions(template=files / "t.npz")
+    with pytest.raises(InputError, match="a library has them"):
+        batch(files / "library", [files / "part.ply"], tmp_path / "no", batch_options=wrong)
 
 
 def test_the_commands_refuse_what_they_cannot_do(files, tmp_path) -> None:

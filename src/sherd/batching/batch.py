@@ -76,7 +76,8 @@ def batch(
     Parameters
     ----------
     fulls
-        One full shape or several: paths, meshes or templates.
+        One full shape or several: paths, meshes or templates; or the folder of a library, which
+        stands for all its shapes.
     parts
         A folder, a pattern such as ``"scans/*.ply"``, or a sequence of files or
         :class:`BatchPart`.

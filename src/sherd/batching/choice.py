@@ -7,9 +7,10 @@ from dataclasses import dataclass, replace
 from functools import lru_cache, partial
 
 from sherd.batching.templates import FullShape, loaded_template
-from sherd.errors import InfeasibleError, OptionError
+from sherd.errors import InfeasibleError, MeshFileError, OptionError
 from sherd.library.candidate import Candidate
 from sherd.library.fitted_scale import at_fitted_scale
+from sherd.library.folder import Library
 from sherd.library.identify import identify_among
 from sherd.match import match
 from sherd.output import Stages
@@ -92,6 +93,12 @@ def _chosen(fulls: Sequence[FullShape], part: Intake, options: MatchOptions) -> 
 
 @lru_cache(maxsize=KEPT_CANDIDATES)
 def _candidate(full: FullShape) -> Candidate:
+    if full.library is not None:  # its labels alone have a file there
+        library = Library.open(full.library)
+        shelf = next((each for each in library.shelves if each.mesh == full.content), None)
+        if shelf is None:
+            raise MeshFileError(f"{full.library}: holds {full.name} no longer; start again")
+        return replace(library.candidate(shelf), template=partial(loaded_template, full))
     template = loaded_template(full)
     coarse = coarse_surface(template)
     return Candidate(full.name, template.length**2, coarse, partial(loaded_template, full))

@@ -159,6 +159,7 @@ class MatchTask:
         for word, value in given.items():
             if value is not None:
                 words += [word, str(value)]
+        words += ["--template", os.fspath(full.template)] if full.library else []
         words += ["--fit-scale"] if self.fit_scale else []
         for export in self.exports:
             words += ["--export", export]

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from sherd.batching.ledger.fingerprint import Fingerprint
 from sherd.errors import InputError, MeshFileError
-from sherd.library.folder import mesh_hash
+from sherd.library.folder import Library, mesh_hash
 from sherd.scan.intake import MeshSource, mesh_intake
 from sherd.surface.template import Template
 
@@ -37,7 +37,10 @@ class FullShape:
         File of its template.
     file
         Its own file, for what the template does not keep: values at its vertices, and what reading
-        it had to say. Of a mesh in memory there is none, and its values are not written.
+        it had to say. Of a mesh in memory and of a library there is none, and its values are not
+        written.
+    library
+        Folder of the library that it stands in, if in one.
     """
 
     name: str
@@ -45,12 +48,15 @@ class FullShape:
     content: str
     template: Path
     file: Path | None = None
+    library: Path | None = None
 
 
 def full_shapes(
     sources: Sequence[MeshSource | Template], folder: Path, *, template: Path | None = None
 ) -> tuple[tuple[FullShape, ...], dict[Path, MeshSource | Template]]:
     """The full shapes, and what those templates are made of that are not there yet.
+
+    A source that is a folder is a library, and stands for all its shapes.
 
     Nothing is computed: a batch that has nothing left to do needs no template.
 
@@ -61,13 +67,27 @@ def full_shapes(
     """
     if not sources:
         raise InputError("no full shape was given; name at least one file")
-    shapes = [_full_shape(source, folder, template) for source in sources]
+    given: list[tuple[FullShape, MeshSource | Template]] = []
+    for source in sources:
+        if isinstance(source, str | os.PathLike) and Path(source).is_dir():
+            given += [(shape, source) for shape in _shapes_of_library(Path(source))]
+        else:
+            given.append((_full_shape(source, folder, template), source))
+    shapes = [shape for shape, _ in given]
+    if template is not None and (len(shapes) > 1 or shapes[0].library):
+        raise InputError(
+            f"{template}: a template is of one full shape; several keep theirs in the batch's "
+            "folder, and a library has them"
+        )
     names = [shape.name for shape in shapes]
     for name in names:
         if names.count(name) > 1:
             raise InputError(f"two full shapes are called {name}; rename one of the files")
-    pairs = zip(shapes, sources, strict=True)
-    missing = {shape.template: source for shape, source in pairs if not shape.template.exists()}
+    missing = {
+        shape.template: source
+        for shape, source in given
+        if shape.library is None and not shape.template.exists()
+    }
     return tuple(shapes), missing
 
 
@@ -107,6 +127,17 @@ def _loaded(shape: FullShape) -> Template:
             )
     full = None if shape.file is None else mesh_intake(shape.file)
     return Template.load(shape.template, full=full)
+
+
+def _shapes_of_library(folder: Path) -> list[FullShape]:
+    library = Library.open(folder)
+    if not library.shelves:
+        raise InputError(f"{folder}: the library is empty; add shapes (sherd template)")
+    home = folder.absolute()
+    return [
+        FullShape(shelf.name, shelf.name, shelf.mesh, home / shelf.template, library=home)
+        for shelf in library.shelves
+    ]
 
 
 def _full_shape(source: MeshSource | Template, folder: Path, template: Path | None) -> FullShape:

@@ -208,10 +208,11 @@ class Library:
         MeshFileError
             If a file is missing, damaged, or not the one that the index names.
         """
-        return tuple(
-            Candidate(shelf.name, shelf.area, self._coarse(shelf), partial(self.template, shelf))
-            for shelf in self.shelves
-        )
+        return tuple(self.candidate(shelf) for shelf in self.shelves)
+
+    def candidate(self, shelf: Shelf) -> Candidate:
+        """One shape, with what is cheap to ask read; errors as of :meth:`candidates`."""
+        return Candidate(shelf.name, shelf.area, self._coarse(shelf), partial(self.template, shelf))
 
     def template(self, shelf: Shelf) -> Template:
         """One shape with all that matching needs.

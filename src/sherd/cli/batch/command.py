@@ -148,6 +148,8 @@ def batch_command(  # noqa: PLR0913 - one for each word that can be typed
 ) -> int:
     """Match many parts, each with the mesh FULL it belongs to, and go on after any interruption.
 
+    FULL may be a library of sherd template, which stands for all its shapes.
+
     Writes parts/NAME for each part, as sherd match does, summary.csv, summary.json and gallery.html
     to the output folder. What has an answer there to the same question is not computed again. A
     part that fails is a row with its reason.
@@ -162,11 +164,10 @@ def batch_command(  # noqa: PLR0913 - one for each word that can be typed
     Examples:
       sherd batch template.ply --parts scans/ -o out/
       sherd batch cat.ply dog.ply --parts "scans/*.ply" -o out/ --jobs 4
+      sherd batch library/ --parts scans/ -o out/
       sherd batch template.ply --parts scans/ -o out/ --shard 1/10
       sherd batch --collect out/
       sherd batch skull.ply --parts scans/ --landmarks skull.mrk.json -o out/
-      sherd batch A.ply B.ply --parts scans/ -o out/ --landmarks A.ply=A.fcsv \
-        --landmarks B.ply=B.fcsv
       sherd batch template.ply --parts scans/ -o out/ --dask tcp://10.0.0.1:8786
       sherd batch --all-pairs fragments/ -o pairs/
     """  # noqa: D301
@@ -230,6 +231,9 @@ def batch_command(  # noqa: PLR0913 - one for each word that can be typed
 def _landmarks_of(fulls: Sequence[Path], named: Sequence[str]) -> dict[str, Landmarks]:
     lists = landmarks_by_template(named)
     without = {full.name for full in fulls} - set(lists)
+    libraries = [full for full in fulls if full.is_dir()]
+    if lists and libraries:
+        raise click.UsageError(f"{libraries[0]}: landmarks are of files; name those of the library")
     if lists and ANY_TEMPLATE not in lists and without:
         raise click.UsageError(f"--landmarks: none are given for {', '.join(sorted(without))}")
     return lists
