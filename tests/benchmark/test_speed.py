@@ -8,9 +8,11 @@ from pathlib import Path
 
 import pytest
 
+from sherd.benchmark import speed
 from sherd.benchmark.speed import speed_benchmark, speed_table
 from sherd.benchmark.timed_command import THIS, timed
 from sherd.errors import SherdError
+from sherd.files.mesh_files import read_mesh
 
 
 def test_an_installation_is_as_fast_as_itself(tmp_path: Path) -> None:
@@ -24,6 +26,14 @@ def test_an_installation_is_as_fast_as_itself(tmp_path: Path) -> None:
     stored = json.loads((tmp_path / "speed.json").read_text(encoding="utf-8"))
     assert stored["rows"][0]["ratio"] == pytest.approx(row.ratio)
     assert "help" in speed_table(rows)
+
+
+def test_the_part_is_half_of_the_animal(tmp_path: Path) -> None:
+    speed._write_shapes(tmp_path, large=False)
+    full, part = read_mesh(tmp_path / "full.ply"), read_mesh(tmp_path / "part.ply")
+    assert full.vertex_count == pytest.approx(10_000, rel=0.05)
+    assert part.vertex_count == pytest.approx(5_000, rel=0.05)
+    assert len((tmp_path / "points.xyz").read_text().splitlines()) == part.vertex_count
 
 
 def test_without_another_installation_there_is_no_ratio(tmp_path: Path) -> None:
