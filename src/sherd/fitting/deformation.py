@@ -38,6 +38,11 @@ FAR_CERTAINTY, NEAR_CUT = 0.02, 0.05
 # Rotations to begin with, of places that were not averaged yet.
 FIRST_LENGTH = 0.05
 MAP_ROUNDS, SURFACE_ROUNDS, FINE_ROUNDS = 8, 4, 2
+# Rotations that are smoothed over so much bend too little at the cut: with the true places of what
+# was seen, 16 parts of animals had hidden errors of 1.18 times libigl's ARAP. So the last rounds
+# are as rigid as possible, smoothed just enough that noise of the map turns no face: 1.10 times.
+# With their own maps it is 1.01 and 1.00; 20 and 50 rounds are alike.
+LAST_ROUNDS, LAST_SEEN_LENGTH, LAST_HIDDEN_LENGTH = 30, 0.02, 0.01
 
 Smoothing: TypeAlias = Callable[[Floats, Floats], Floats]
 
@@ -99,6 +104,20 @@ def coarse_deformation(
         now = _turned(elasticity, now, smoothing)
     for _ in range(SURFACE_ROUNDS):
         now = _turned(elasticity, _onto_surface(elasticity, now, targets, scan), smoothing)
+    return _settled(elasticity, now, targets, scan)
+
+
+def _settled(
+    elasticity: Elasticity, now: Deformation, targets: Targets, scan: ScanSurface
+) -> Deformation:
+    """Rounds of as-rigid-as-possible with rotations that are hardly smoothed."""
+    lengths = np.where(targets.seen, LAST_SEEN_LENGTH, LAST_HIDDEN_LENGTH)
+    smoothing = elasticity.smoothing(np.ones(len(lengths)), lengths)
+    pulls, places = _drawn(elasticity, now, targets, scan)
+    relaxed = elasticity.relaxation(pulls)
+    for _ in range(LAST_ROUNDS):
+        now = replace(now, positions=relaxed(now.turns, places, now.positions))
+        now = _turned(elasticity, now, smoothing)
     return now
 
 
@@ -182,8 +201,16 @@ def _onto_surface(
     elasticity: Elasticity, now: Deformation, targets: Targets, scan: ScanSurface
 ) -> Deformation:
     """One step toward the closest points of the pieces; where there are none, toward the map."""
+    pulls, places = _drawn(elasticity, now, targets, scan)
+    return _relaxed(elasticity, now, pulls, places)
+
+
+def _drawn(
+    elasticity: Elasticity, now: Deformation, targets: Targets, scan: ScanSurface
+) -> tuple[Floats, Floats]:
+    """How firmly (n,) each vertex is drawn to which place (n, 3)."""
     feet, found = scan.feet(now.positions, elasticity.mesh.faces)
     found &= targets.seen
     firm = targets.confidence * _inliers(now.positions, targets.positions) / MAP_LENGTH**2
-    pulls = elasticity.areas * np.where(found, 1.0 / SURFACE_LENGTH**2, firm)
-    return _relaxed(elasticity, now, pulls, np.where(found[:, None], feet, targets.positions))
+    pulls: Floats = elasticity.areas * np.where(found, 1.0 / SURFACE_LENGTH**2, firm)
+    return pulls, np.where(found[:, None], feet, targets.positions)

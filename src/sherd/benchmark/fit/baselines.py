@@ -9,12 +9,13 @@ from typing import Any
 import numpy as np
 
 from sherd.arrays import Floats
+from sherd.errors import OptionError
 from sherd.fitting.targets import Targets
 from sherd.mesh.geometry import closest_rotation
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.results.match_result import MatchResult
 
-__all__ = ["arap_positions", "has_libigl", "nonrigid_icp_positions"]
+__all__ = ["arap_positions", "has_libigl", "nonrigid_icp_positions", "require_icp"]
 
 ROUNDS = 100
 # Landmarks are what costs memory; so many of the surest vertices seed the ICP.
@@ -24,6 +25,18 @@ LANDMARKS = 200
 def has_libigl() -> bool:
     """Whether the witness is installed: ``pip install libigl``."""
     return importlib.util.find_spec("igl") is not None
+
+
+def require_icp() -> None:
+    """Refuse where trimesh's non-rigid ICP cannot run.
+
+    Raises
+    ------
+    OptionError
+        If rtree, which it finds closest points by, is not installed.
+    """
+    if importlib.util.find_spec("rtree") is None:
+        raise OptionError("--icp: trimesh's non-rigid ICP needs rtree: pip install rtree")
 
 
 def arap_positions(shape: TriangleMesh, targets: Targets) -> Floats:
