@@ -83,7 +83,7 @@ def skulls(tmp_path, match_result_of, exhibit, monkeypatch):
     for name in "ab":
         np.savez(
             tmp_path / f"{name}.npz",
-            vertices=10 * full.vertices, faces=full.faces, landmarks=10 * full.vertices[::40],
+            vertices=10 * full.vertices, faces=full.faces, landmarks=10 * full.vertices[::10],
         )  # fmt: skip
 
     def exact(template, part):
@@ -109,7 +109,7 @@ def test_landmarks_are_measured_on_the_half_and_beyond(skulls, tmp_path, monkeyp
     (row,) = skull_fits.skull_fit_benchmark(skulls, tmp_path / "out", limit=1)
     size = 10 * np.sqrt(4 * np.pi)  # about that of the ball's area
     seen, errors = np.array(row.seen), np.array(row.fit)
-    assert 0.3 < seen.mean() < 0.7
+    assert 0.3 < seen.mean() < 0.75
     assert errors[seen].mean() < 0.005 * size
     assert errors[~seen].mean() < 0.03 * size
     assert bool(row.arap) == has_libigl()

@@ -26,6 +26,7 @@ from sherd.cli.options import (
     side_option,
     template_option,
 )
+from sherd.files.obj_texture import has_texture
 from sherd.fitting.fit import STAGES, fit
 from sherd.limits import require_seed
 from sherd.match import STAGES as MATCH_STAGES
@@ -79,6 +80,12 @@ NAMED = 4
     help="Also write completed.ply: the scan as it is, the fit where it has no surface.",
 )
 @click.option(
+    "--texture",
+    type=FILE,
+    help="With --from, the OBJ file of FULL: fit.obj keeps its texture coordinates, groups and "
+    "materials. Without, FULL itself is that file.",
+)
+@click.option(
     "--scale",
     type=ScaleType(),
     metavar=f"[{'|'.join(SCALES)}|FACTOR]",
@@ -100,6 +107,7 @@ def fit_command(  # noqa: PLR0913 - one for each word that can be typed
     sizing: Sizing,
     near: float,
     merge: bool,
+    texture: Path | None,
     scale: Scale | float,
     template: Path | None,
     side: Side,
@@ -132,6 +140,8 @@ def fit_command(  # noqa: PLR0913 - one for each word that can be typed
         raise click.UsageError("give FULL and at least one PART")
     if source is not None and (template is not None or scale != "same"):
         raise click.UsageError("--template and --scale are for matching, which --from has done")
+    if source is None and texture is not None:
+        raise click.UsageError("--texture is for --from; FULL has its texture with it")
     if len(shapes) > 2 and scale != "same":
         raise click.UsageError("several parts must have the unit of FULL: --scale is for one")
     earlier = None if source is None else read_matches(source)
@@ -146,12 +156,15 @@ def fit_command(  # noqa: PLR0913 - one for each word that can be typed
         parts = [scan_intake(part) for part in shapes[1:]]
         described = stored_template(template, shapes[0], quiet=quiet)
         result = _matched(described, parts, stages, scale=scale, side=side, seed=seed)
+    if texture is None and shapes and has_texture(shapes[0]):
+        texture = shapes[0]
     fitted = fit(result, options, stages=stages)
     with stages("files"):
         document = write_report(
             fitted,
             output,
             command=command_line(),
+            texture=texture,
             overwrite=True,  # check_fit_outputs has asked
         )
     stages.close()
