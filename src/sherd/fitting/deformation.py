@@ -17,6 +17,7 @@ from sherd.fitting.targets import Targets
 from sherd.mesh.geometry import closest_rotation
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
+from sherd.results.fitted.fit_options import Sizing
 
 __all__ = ["Deformation", "carried_up", "coarse_deformation", "fine_deformation"]
 
@@ -73,7 +74,7 @@ class Deformation:
 
 
 def coarse_deformation(
-    elasticity: Elasticity, targets: Targets, scan: ScanSurface, *, sized: bool
+    elasticity: Elasticity, targets: Targets, scan: ScanSurface, *, sizing: Sizing
 ) -> Deformation:
     """The shape drawn to its targets, then to the surface of the pieces.
 
@@ -85,8 +86,8 @@ def coarse_deformation(
         For its vertices.
     scan
         The surface of the pieces.
-    sized
-        Whether the full shape may be locally larger or smaller than the pieces.
+    sizing
+        As of :class:`sherd.FitOptions`.
     """
     now = _rigid(elasticity, targets)
     # positions that are the targets themselves tell rotations at once, where all around is seen
@@ -99,8 +100,9 @@ def coarse_deformation(
     for step in range(MAP_ROUNDS):
         firm = pulls if step == 0 else pulls * _inliers(now.positions, targets.positions)
         now = _relaxed(elasticity, now, firm, targets.positions)
-        if sized and step >= MAP_ROUNDS // 2:
-            now = replace(now, sizes=sizes_of(elasticity, now.positions, targets.confidence))
+        if step >= MAP_ROUNDS // 2:
+            sizes = sizes_of(elasticity, now.positions, targets.confidence, sizing=sizing)
+            now = replace(now, sizes=sizes)
         now = _turned(elasticity, now, smoothing)
     for _ in range(SURFACE_ROUNDS):
         now = _turned(elasticity, _onto_surface(elasticity, now, targets, scan), smoothing)

@@ -25,11 +25,12 @@ from sherd.benchmark.skulls import THERE, half_of_skull, read_skull
 from sherd.errors import InfeasibleError, MeshFileError
 from sherd.fitting.fit import fit
 from sherd.fitting.targets import targets_of
-from sherd.library.fitted_scale import match_with_fitted_scale
+from sherd.library.fitted_scale import match_with_fitted_scale, sizing_after
 from sherd.limits import require_whole
 from sherd.mesh.geometry import closest_rotation
 from sherd.mesh.surface_points import closest_points
 from sherd.mesh.triangle_mesh import TriangleMesh
+from sherd.results.match_options import MatchOptions
 from sherd.shapes.rotation import rotated
 from sherd.spectral.sampling import decimate
 
@@ -194,11 +195,12 @@ def _measured(case: SkullCase, *, with_icp: bool) -> SkullFitRow:
         return SkullFitRow(
             case.name, template.vertex_count, "none", 1.0, seen.tolist(), none, none, none, nothing
         )
+    sizing = sizing_after(result, MatchOptions.scale)
     points = closest_points(template, landmarks.positions)
     targets = targets_of([result])
     unit = result.full.length / result.scale
     shape = result.full.with_vertices(result.full.vertices / result.full.length)
-    ways: dict[str, Callable[[], Floats]] = {"fit": lambda: fit(result).positions}
+    ways: dict[str, Callable[[], Floats]] = {"fit": lambda: fit(result, sizing=sizing).positions}
     if has_libigl():
         ways["arap"] = lambda: arap_positions(shape, targets) * unit
     if with_icp:
