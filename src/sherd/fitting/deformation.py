@@ -14,7 +14,7 @@ from sherd.fitting.chance import distances_beyond
 from sherd.fitting.scan_surface import ScanSurface
 from sherd.fitting.sizes import sizes_of
 from sherd.fitting.targets import Targets
-from sherd.mesh.geometry import closest_rotation
+from sherd.mesh.geometry import closest_rotation, vertex_normals
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.results.fitted.fit_options import Sizing
@@ -27,6 +27,10 @@ __all__ = ["Deformation", "carried_up", "coarse_deformation", "fine_deformation"
 MAP_LENGTH = 0.01
 # A surface is followed down to the size of a triangle.
 SURFACE_LENGTH = 0.005
+# Along the surface places go so much of the way to those of the map in each round; else elasticity
+# alone decides, and what is seen slides. With true maps of 15 parts of animals the error of what
+# was seen fell from 0.0049 to 0.0035 and that of the rest by 3 %; with their own maps both stay.
+TOWARD_MAP = 0.5
 # Places farther than this from where their neighbors draw them are wrong, not noisy.
 MAP_LIMIT = 0.03
 # Rotations are averaged over so much of what is seen. Beyond, first over as much, so that the bend
@@ -211,8 +215,12 @@ def _drawn(
     elasticity: Elasticity, now: Deformation, targets: Targets, scan: ScanSurface
 ) -> tuple[Floats, Floats]:
     """How firmly (n,) each vertex is drawn to which place (n, 3)."""
-    feet, found = scan.feet(now.positions, elasticity.mesh.faces)
+    inliers = _inliers(now.positions, targets.positions)
+    off = (inliers * targets.seen)[:, None] * (targets.positions - now.positions)
+    normals = vertex_normals(now.positions, elasticity.mesh.faces)
+    points, found = scan.closest(now.positions + TOWARD_MAP * off, normals)
     found &= targets.seen
-    firm = targets.confidence * _inliers(now.positions, targets.positions) / MAP_LENGTH**2
+    firm = targets.confidence * inliers / MAP_LENGTH**2
     pulls: Floats = elasticity.areas * np.where(found, 1.0 / SURFACE_LENGTH**2, firm)
+    feet = points.positions(scan.mesh)
     return pulls, np.where(found[:, None], feet, targets.positions)

@@ -127,7 +127,10 @@ def _icp(shape: TriangleMesh, targets: Targets, found: MatchResult) -> Floats:
 
 def _timed(pair: FitPair, shape: TriangleMesh, solve: Callable[[], Floats]) -> Quality:
     start = time.perf_counter()
-    positions = solve()
+    try:
+        positions = solve()
+    except InfeasibleError:
+        return Quality()
     return _quality(pair, shape, positions, time.perf_counter() - start)
 
 

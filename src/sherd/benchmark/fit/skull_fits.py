@@ -209,7 +209,10 @@ def _measured(case: SkullCase, *, with_icp: bool) -> SkullFitRow:
     seconds: list[float | None] = []
     for way in WAYS:
         start = time.perf_counter()
-        positions = ways[way]() if way in ways else None
+        try:
+            positions = ways[way]() if way in ways else None
+        except InfeasibleError:
+            positions = None
         seconds.append(None if positions is None else time.perf_counter() - start)
         errors[way] = []
         if positions is not None:
