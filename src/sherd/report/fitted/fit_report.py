@@ -274,10 +274,14 @@ def _sentences(result: Fit) -> tuple[str, ...]:
         f"From the fit back to the scan it is {back.mean:.3g} on average, {back.largest:.3g} at "
         "most.",
     ]
+    scale = result.pieces[0].scale
+    beside = "" if scale == 1 else ", beside the scale of the match"
+    if scale != 1:
+        said.append(f"Lengths of the scan were multiplied by {scale:.4g} to match.")
     if np.abs(result.sizes - 1).max() > LEAST_SIZE:
         said.append(
             f"The full shape was made {result.sizes.min():.2f} to {result.sizes.max():.2f} times "
-            "as large."
+            f"as large{beside}."
         )
     for region in result.hidden[:NAMED]:
         deepest = result.chance[region.vertex]

@@ -210,7 +210,7 @@ class Fit(FrozenState):
     strain
         (n,) relative strain of the edges at each vertex, the size that was found aside.
     sizes
-        (n,) how many times larger the full shape was made there.
+        (n,) how many times larger the full shape was made there, beside the scale of the match.
     check
         Turned faces, area, intersections.
     hidden
