@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
+from scipy.spatial import cKDTree
 
-from sherd.benchmark.fit import benchmark
+from sherd.benchmark.fit import benchmark, skull_fits
 from sherd.benchmark.fit.baselines import has_libigl
 from sherd.benchmark.fit.measurement import FitRow, Quality
 from sherd.benchmark.fit.sources import fit_sources
-from sherd.errors import MeshFileError
-from sherd.mesh.surface_points import closest_points
+from sherd.cli.bench.fit import fit_bench_command
+from sherd.errors import MeshFileError, OptionError
+from sherd.mesh.surface_points import closest_points, points_at_vertices
 from sherd.mesh.triangle_mesh import TriangleMesh
+from sherd.results.placement import Placement
 from sherd.shapes import creature
 
 
@@ -68,3 +73,72 @@ def test_rows_are_kept_and_a_run_goes_on(animations, tmp_path, monkeypatch) -> N
 def test_a_folder_without_shapes_is_refused(tmp_path) -> None:
     with pytest.raises(MeshFileError, match=r"neither \.npz files nor folders"):
         fit_sources(tmp_path, 1)
+
+
+@pytest.fixture
+def skulls(tmp_path, match_result_of, exhibit, monkeypatch):
+    """A folder of two equal skulls; what is matched to a half of one is exact."""
+    match = match_result_of(exhibit)
+    full = match.full
+    for name in "ab":
+        np.savez(
+            tmp_path / f"{name}.npz",
+            vertices=10 * full.vertices, faces=full.faces, landmarks=10 * full.vertices[::10],
+        )  # fmt: skip
+
+    def exact(template, part):
+        places = cKDTree(template.vertices).query(part.vertices)[1]
+        mask = np.isin(np.arange(template.vertex_count), places)
+        best = Placement(
+            mask=mask,
+            membership=mask.astype(float),
+            score=0.9,
+            points=points_at_vertices(template, places),
+            matched=np.ones(len(places), dtype=bool),
+            confidence=np.ones(len(places)),
+        )
+        return replace(match, full=template, part=part, alternatives=(), best=best)
+
+    monkeypatch.setattr(skull_fits, "rotated", lambda mesh, rng: mesh)
+    monkeypatch.setattr(skull_fits, "match_with_fitted_scale", exact)
+    return tmp_path
+
+
+def test_landmarks_are_measured_on_the_half_and_beyond(skulls, tmp_path, monkeypatch) -> None:
+    assert skull_fits.holds_skulls(skulls)
+    (row,) = skull_fits.skull_fit_benchmark(skulls, tmp_path / "out", limit=1)
+    size = 10 * np.sqrt(4 * np.pi)  # about that of the ball's area
+    seen, errors = np.array(row.seen), np.array(row.fit)
+    assert 0.3 < seen.mean() < 0.75
+    assert errors[seen].mean() < 0.005 * size
+    assert errors[~seen].mean() < 0.03 * size
+    assert bool(row.arap) == has_libigl()
+    monkeypatch.setattr(skull_fits, "match_with_fitted_scale", None)
+    again = skull_fits.skull_fit_benchmark(skulls, tmp_path / "out", limit=1)
+    assert again[0].fit == row.fit
+    table = skull_fits.skull_fit_table([replace(row, fit=[1.0] * len(seen), arap=[])])
+    assert "sherd fit (1): seen 1.000, hidden 1.000" in table
+    assert "ARAP" not in table
+
+
+def test_other_folders_are_not_taken_for_skulls(animations, tmp_path) -> None:
+    assert not skull_fits.holds_skulls(animations)
+    assert not skull_fits.holds_skulls(tmp_path / "nowhere")
+    (tmp_path / "a.npz").write_bytes(b"no archive")
+    with pytest.raises(MeshFileError, match=r"a\.npz: cannot be read"):
+        skull_fits.holds_skulls(tmp_path)
+
+
+def test_skulls_take_no_options_of_animations(skulls, tmp_path) -> None:
+    for words in (["--poses", "1"], ["--cut", "0.5"]):
+        asked = CliRunner().invoke(
+            fit_bench_command, [str(skulls), "-o", str(tmp_path / "out"), *words]
+        )
+        assert asked.exit_code == 2
+        assert "--poses and --cut are for animated shapes" in asked.output
+
+
+def test_icp_without_its_tree_is_refused(animations, tmp_path, monkeypatch) -> None:
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
+    with pytest.raises(OptionError, match="needs rtree: pip install rtree"):
+        benchmark.fit_benchmark(animations, tmp_path, with_icp=True)

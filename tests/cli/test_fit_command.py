@@ -14,6 +14,7 @@ from click.testing import CliRunner
 
 import sherd
 from sherd.cli.main import main
+from sherd.errors import InputError
 from sherd.files.mesh_files import read_mesh
 from sherd.report.stored.folder import folder_problems
 from sherd.report.stored.stored_exhibit import read_exhibit
@@ -106,6 +107,31 @@ def test_the_glb_morphs_from_the_full_shape_to_the_fit(folders) -> None:
     loaded = trimesh.load(out / "fit.glb", process=False)
     (shape,) = loaded.geometry.values()
     assert len(shape.vertices) == match.full.vertex_count
+
+
+def test_the_obj_keeps_the_texture_of_the_full_shape(folders, tmp_path) -> None:
+    """A picture of two halves: vertices of the seam have two places in it."""
+    match, matched, _ = folders
+    full = match.full
+    corners = [
+        "f " + " ".join(f"{corner + 1}/{1 + (k < full.face_count // 2)}" for corner in face)
+        for k, face in enumerate(full.faces.tolist())
+    ]
+    lines = [f"v {x} {y} {z}" for x, y, z in full.vertices.tolist()]
+    file = tmp_path / "textured.obj"
+    file.write_text("\n".join(["mtllib skin.mtl", *lines, "vt 0 0", "vt 1 1", *corners]) + "\n")
+    done = asked("fit", "--from", matched, "-o", tmp_path / "fit", "--texture", file)
+    assert done.exit_code == 0, done.output
+    written = (tmp_path / "fit" / "fit.obj").read_text().splitlines()
+    assert [line for line in written if line[0] != "v"] == ["mtllib skin.mtl", *corners]
+    assert "vt 1 1" in written
+    fitted = read_mesh(tmp_path / "fit" / "fit.ply")
+    assert np.allclose(read_mesh(tmp_path / "fit" / "fit.obj").vertices, fitted.vertices)
+    refused = asked("fit", file, file, "-o", tmp_path / "other", "--texture", file)
+    assert refused.exit_code == 2
+    assert "--texture is for --from" in refused.output
+    with pytest.raises(InputError, match="a texture is for a fit"):
+        write_report(match, tmp_path / "other", texture=file)
 
 
 def test_transfer_marks_landmarks_that_nothing_was_seen_of(folders, tmp_path) -> None:

@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from sherd.fitting.as_rigid_as_possible import Elasticity
-from sherd.fitting.sizes import STRETCH, sizes_of
+from sherd.fitting.sizes import STRETCH, mean_growth, sizes_of
 
 TURN = Rotation.from_rotvec([0.3, -0.8, 0.5]).as_matrix()
 
@@ -73,6 +73,18 @@ def test_smoothing_keeps_constants_and_continues_what_is_known(elasticity) -> No
 def test_a_pose_has_no_size_and_another_body_has(elasticity) -> None:
     seen = (elasticity.rest[:, 0] > 0).astype(float)
     stretched = elasticity.rest * [1.0, 1.0 + 0.5 * STRETCH, 1.0]
-    assert np.array_equal(sizes_of(elasticity, stretched, seen), np.ones(len(seen)))
-    sizes = sizes_of(elasticity, 1.5 * elasticity.rest, seen)
+    assert np.array_equal(sizes_of(elasticity, stretched, seen, sizing="local"), np.ones(len(seen)))
+    sizes = sizes_of(elasticity, 1.5 * elasticity.rest, seen, sizing="local")
     assert sizes == pytest.approx(1.5, rel=1e-3)
+
+
+def test_the_size_of_another_individual_is_believed_as_it_is(elasticity) -> None:
+    """What a pose could do as well; regions that differ from it by little stay at the mean."""
+    seen = (elasticity.rest[:, 0] > 0).astype(float)
+    larger = np.exp(0.5 * STRETCH) * elasticity.rest
+    assert mean_growth(elasticity, larger, seen) == pytest.approx(0.5 * STRETCH, rel=1e-3)
+    assert np.array_equal(sizes_of(elasticity, larger, seen, sizing="local"), np.ones(len(seen)))
+    sizes = sizes_of(elasticity, larger * [1, 1.02, 1], seen, sizing="individual")
+    assert np.ptp(sizes) < 1e-9
+    assert sizes[0] == pytest.approx(np.exp(0.5 * STRETCH + 0.01), rel=0.005)
+    assert mean_growth(elasticity, larger, 0 * seen) == 0

@@ -42,6 +42,12 @@ def test_the_slider_goes_from_the_template_to_the_fit(tab, shown) -> None:
     assert np.abs(positions(tab, shown) - shown.full.vertices).max() < 1e-4 * size
 
 
+def test_the_views_say_what_they_show(tab) -> None:
+    assert tab.locator(".caption.at-full b").inner_text() == "Fit"
+    assert tab.locator(".caption.at-part b").inner_text() == "Scan"
+    assert tab.locator("#view-part").get_attribute("aria-label").startswith("Scan.")
+
+
 def test_the_scan_is_laid_over_the_fit(tab, shown) -> None:
     drawn = "window.sherd.page.stage.views.full.scene.children.length"
     assert tab.evaluate(drawn) == 1

@@ -167,7 +167,7 @@ class Page {
     this.covered = null;
     if (layer && (layer.kind === "mask" || (layer.kind === "scalar" && this.threshold !== null))) {
       this.covered = coverage(layer, this.shapes[side], this.threshold);
-      covered = (side === "full" ? "Full shape: " : "Part: ") + coverageWords(layer, this.covered, this.threshold);
+      covered = `${this.meta.names[side]}: ` + coverageWords(layer, this.covered, this.threshold);
     }
     if (layer?.kind === "scalar" && !covered) covered = "Slide to turn values below a threshold gray.";
     const beside = this.shown.part?.name === layer?.name ? this.shown.part : null; // may have kinds that the full shape lacks
@@ -209,7 +209,7 @@ class Page {
     }
     const rows = [];
     for (const side of chosen.side === "part" ? ["part", "full"] : ["full", "part"]) {
-      const name = side === "part" ? "Part" : "Full shape";
+      const name = this.meta.names[side];
       const end = pair[side];
       if (!end) {
         rows.push([name, this.placement().partner ? "no partner" : "no map in this result", `point-${side}`]);

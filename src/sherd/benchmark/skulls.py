@@ -26,7 +26,16 @@ from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.shapes.rotation import rotated
 from sherd.surface.template import Template
 
-__all__ = ["SkullRow", "median_rows", "skull_benchmark", "skull_summary", "skull_table"]
+__all__ = [
+    "THERE",
+    "SkullRow",
+    "half_of_skull",
+    "median_rows",
+    "read_skull",
+    "skull_benchmark",
+    "skull_summary",
+    "skull_table",
+]
 
 KINDS = ("whole", "half")
 # In the unit of the files, mm: a landmark set by hand lies up to 0.2 off the surface, so a half
@@ -137,7 +146,7 @@ def median_rows(rows: Iterable[SkullRow], directory: Path) -> list[SkullRow]:
         groups.setdefault((row.specimen, row.kind), []).append(row)
     found = []
     for (specimen, kind), group in groups.items():
-        _, truth = _skull(directory / f"{specimen}.npz")
+        _, truth = read_skull(directory / f"{specimen}.npz")
         middle = median_landmarks([_carried(row, truth) for row in group])
         found.append(
             _row(SkullCase(Path("median"), Path(specimen), kind), middle, truth, _there(group))
@@ -191,10 +200,10 @@ def _short(value: float | None) -> str:
 
 def _measured(case: SkullCase) -> SkullRow:
     template, landmarks = _template(case.template)
-    mesh, truth = _skull(case.specimen)
+    mesh, truth = read_skull(case.specimen)
     rng = np.random.default_rng(seed_of(f"{case.specimen.stem} {case.kind}", 0))
     if case.kind == "half":
-        mesh = _half(mesh, rng)
+        mesh = half_of_skull(mesh, rng)
     result = match_with_fitted_scale(template, rotated(mesh, rng))
     turn, shift = _motion(result.part.vertices, mesh.vertices)
     carried = carry_landmarks(result, attached(landmarks, template.full))
@@ -259,7 +268,7 @@ def _carried(row: SkullRow, truth: Landmarks) -> CarriedLandmarks:
     )
 
 
-def _half(mesh: TriangleMesh, rng: np.random.Generator) -> TriangleMesh:
+def half_of_skull(mesh: TriangleMesh, rng: np.random.Generator) -> TriangleMesh:
     """What lies on one side of a random plane through the middle of the surface."""
     height = mesh.vertices @ rng.normal(size=3)
     middle = float(np.average(height, weights=mesh.vertex_areas))
@@ -276,13 +285,20 @@ def _motion(moved: Floats, original: Floats) -> tuple[Floats, Floats]:
 
 @lru_cache(maxsize=1)
 def _template(path: Path) -> tuple[Template, Landmarks]:
-    mesh, landmarks = _skull(path)
+    mesh, landmarks = read_skull(path)
     template = Template(mesh)
     template.prepare()
     return template, landmarks
 
 
-def _skull(path: Path) -> tuple[TriangleMesh, Landmarks]:
+def read_skull(path: Path) -> tuple[TriangleMesh, Landmarks]:
+    """A skull and its landmarks, in the unit of the file.
+
+    Raises
+    ------
+    MeshFileError
+        If the file cannot be read.
+    """
     try:
         with np.load(path, allow_pickle=False) as stored:
             mesh = TriangleMesh(stored["vertices"], stored["faces"], name=path.stem)

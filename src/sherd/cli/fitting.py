@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import click
@@ -26,7 +27,9 @@ from sherd.cli.options import (
     side_option,
     template_option,
 )
+from sherd.files.obj_texture import has_texture
 from sherd.fitting.fit import STAGES, fit
+from sherd.library.fitted_scale import match_with_fitted_scale, sizing_after
 from sherd.limits import require_seed
 from sherd.match import STAGES as MATCH_STAGES
 from sherd.match import match
@@ -62,9 +65,9 @@ NAMED = 4
 @click.option(
     "--sizing",
     type=click.Choice(SIZINGS),
-    default="local",
-    show_default=True,
-    help="None: it is the same body, which bends only. Local: sized where PART asks for it.",
+    help="None: it is the same body, which bends only. Local: sized where PART asks for more than "
+    "a pose may stretch. Individual: another one, as much larger as PART is. Not given: individual "
+    "if one PART fits better at another size, otherwise local.",
 )
 @click.option(
     "--near",
@@ -77,6 +80,12 @@ NAMED = 4
     "--merge",
     is_flag=True,
     help="Also write completed.ply: the scan as it is, the fit where it has no surface.",
+)
+@click.option(
+    "--texture",
+    type=FILE,
+    help="With --from, the OBJ file of FULL: fit.obj keeps its texture coordinates, groups and "
+    "materials. Without, FULL itself is that file.",
 )
 @click.option(
     "--scale",
@@ -97,9 +106,10 @@ def fit_command(  # noqa: PLR0913 - one for each word that can be typed
     output: Path,
     *,
     source: Path | None,
-    sizing: Sizing,
+    sizing: Sizing | None,
     near: float,
     merge: bool,
+    texture: Path | None,
     scale: Scale | float,
     template: Path | None,
     side: Side,
@@ -125,13 +135,15 @@ def fit_command(  # noqa: PLR0913 - one for each word that can be typed
       sherd fit --from matched/ -o out/
     """  # noqa: D301
     require_seed(seed)
-    options = FitOptions(sizing=sizing, near=near, merge=merge)
+    options = FitOptions(sizing=sizing or "local", near=near, merge=merge)
     if (source is None) == (not shapes):
         raise click.UsageError("give FULL and PART, or --from with a folder")
     if source is None and len(shapes) < 2:
         raise click.UsageError("give FULL and at least one PART")
     if source is not None and (template is not None or scale != "same"):
         raise click.UsageError("--template and --scale are for matching, which --from has done")
+    if source is None and texture is not None:
+        raise click.UsageError("--texture is for --from; FULL has its texture with it")
     if len(shapes) > 2 and scale != "same":
         raise click.UsageError("several parts must have the unit of FULL: --scale is for one")
     earlier = None if source is None else read_matches(source)
@@ -145,13 +157,19 @@ def fit_command(  # noqa: PLR0913 - one for each word that can be typed
     else:
         parts = [scan_intake(part) for part in shapes[1:]]
         described = stored_template(template, shapes[0], quiet=quiet)
-        result = _matched(described, parts, stages, scale=scale, side=side, seed=seed)
+        ask = match if sizing == "none" or scale == "unknown" else match_with_fitted_scale
+        result = _matched(described, parts, stages, ask=ask, scale=scale, side=side, seed=seed)
+        if sizing is None and isinstance(result, MatchResult):
+            options = replace(options, sizing=sizing_after(result, scale))
+    if texture is None and shapes and has_texture(shapes[0]):
+        texture = shapes[0]
     fitted = fit(result, options, stages=stages)
     with stages("files"):
         document = write_report(
             fitted,
             output,
             command=command_line(),
+            texture=texture,
             overwrite=True,  # check_fit_outputs has asked
         )
     stages.close()
@@ -168,13 +186,14 @@ def _matched(
     parts: Sequence[Intake],
     stages: Stages,
     *,
+    ask: Callable[..., MatchResult],
     scale: Scale | float,
     side: Side,
     seed: int,
 ) -> MatchResult | Assembly:
     """One part matched; several placed together, since they may overlap but not contradict."""
     if len(parts) == 1:
-        return match(full, parts[0], scale=scale, side=side, seed=seed, stages=stages)
+        return ask(full, parts[0], scale=scale, side=side, seed=seed, stages=stages)
     return assemble(full, parts, may_overlap=True, side=side, seed=seed, stages=stages)
 
 

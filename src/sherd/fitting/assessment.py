@@ -14,6 +14,7 @@ from sherd.fitting.completion import completed
 from sherd.fitting.deformation import Deformation
 from sherd.fitting.scan_surface import REACH, ScanSurface
 from sherd.fitting.self_intersection import intersecting_faces
+from sherd.fitting.sizes import mean_growth
 from sherd.fitting.targets import Targets, matched_surface
 from sherd.fitting.turned_faces import turned_faces
 from sherd.mesh.geometry import face_areas
@@ -78,7 +79,14 @@ def fit_of(solved: Solved, options: FitOptions, stages: Stages) -> Fit:
         seen = found & solved.targets.seen
         off = np.linalg.norm(feet - deformation.positions, axis=1)
         beyond = distances_beyond(solved.shape, seen)
-        chance = chances(beyond, solved.targets.confidence, near=options.near)
+        confidence = solved.targets.confidence
+        chance = chances(
+            beyond,
+            confidence,
+            near=options.near,
+            placed=_placed(matches),
+            grown=mean_growth(elasticity, deformation.positions, confidence * seen),
+        )
         strain = elasticity.strains(deformation.positions, deformation.turns)
         fitted = TriangleMesh(deformation.positions, solved.shape.faces, name=full.name)
         pieces = tuple(_piece(match, fitted, solved.intake) for match in matches)
@@ -118,6 +126,12 @@ def fit_of(solved: Solved, options: FitOptions, stages: Stages) -> Fit:
         notices=solved.intake.notices,
         completion=completion,
     )
+
+
+def _placed(matches: tuple[MatchResult, ...]) -> float:
+    """The chance that all pieces belong where they are; what has no chance is believed."""
+    known = [match.chance for match in matches if match.chance is not None]
+    return min(known, default=1.0)
 
 
 def _positions(solved: Solved, back: Ints) -> Floats:

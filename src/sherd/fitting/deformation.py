@@ -14,9 +14,10 @@ from sherd.fitting.chance import distances_beyond
 from sherd.fitting.scan_surface import ScanSurface
 from sherd.fitting.sizes import sizes_of
 from sherd.fitting.targets import Targets
-from sherd.mesh.geometry import closest_rotation
+from sherd.mesh.geometry import closest_rotation, vertex_normals
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
+from sherd.results.fitted.fit_options import Sizing
 
 __all__ = ["Deformation", "carried_up", "coarse_deformation", "fine_deformation"]
 
@@ -26,6 +27,10 @@ __all__ = ["Deformation", "carried_up", "coarse_deformation", "fine_deformation"
 MAP_LENGTH = 0.01
 # A surface is followed down to the size of a triangle.
 SURFACE_LENGTH = 0.005
+# Along the surface places go so much of the way to those of the map in each round; else elasticity
+# alone decides, and what is seen slides. With true maps of 15 parts of animals the error of what
+# was seen fell from 0.0049 to 0.0035 and that of the rest by 3 %; with their own maps both stay.
+TOWARD_MAP = 0.5
 # Places farther than this from where their neighbors draw them are wrong, not noisy.
 MAP_LIMIT = 0.03
 # Rotations are averaged over so much of what is seen. Beyond, first over as much, so that the bend
@@ -38,6 +43,11 @@ FAR_CERTAINTY, NEAR_CUT = 0.02, 0.05
 # Rotations to begin with, of places that were not averaged yet.
 FIRST_LENGTH = 0.05
 MAP_ROUNDS, SURFACE_ROUNDS, FINE_ROUNDS = 8, 4, 2
+# Rotations that are smoothed over so much bend too little at the cut: with the true places of what
+# was seen, 16 parts of animals had hidden errors of 1.18 times libigl's ARAP. So the last rounds
+# are as rigid as possible, smoothed just enough that noise of the map turns no face: 1.10 times.
+# With their own maps it is 1.01 and 1.00; 20 and 50 rounds are alike.
+LAST_ROUNDS, LAST_SEEN_LENGTH, LAST_HIDDEN_LENGTH = 30, 0.02, 0.01
 
 Smoothing: TypeAlias = Callable[[Floats, Floats], Floats]
 
@@ -68,7 +78,7 @@ class Deformation:
 
 
 def coarse_deformation(
-    elasticity: Elasticity, targets: Targets, scan: ScanSurface, *, sized: bool
+    elasticity: Elasticity, targets: Targets, scan: ScanSurface, *, sizing: Sizing
 ) -> Deformation:
     """The shape drawn to its targets, then to the surface of the pieces.
 
@@ -80,8 +90,8 @@ def coarse_deformation(
         For its vertices.
     scan
         The surface of the pieces.
-    sized
-        Whether the full shape may be locally larger or smaller than the pieces.
+    sizing
+        As of :class:`sherd.FitOptions`.
     """
     now = _rigid(elasticity, targets)
     # positions that are the targets themselves tell rotations at once, where all around is seen
@@ -94,11 +104,26 @@ def coarse_deformation(
     for step in range(MAP_ROUNDS):
         firm = pulls if step == 0 else pulls * _inliers(now.positions, targets.positions)
         now = _relaxed(elasticity, now, firm, targets.positions)
-        if sized and step >= MAP_ROUNDS // 2:
-            now = replace(now, sizes=sizes_of(elasticity, now.positions, targets.confidence))
+        if step >= MAP_ROUNDS // 2:
+            sizes = sizes_of(elasticity, now.positions, targets.confidence, sizing=sizing)
+            now = replace(now, sizes=sizes)
         now = _turned(elasticity, now, smoothing)
     for _ in range(SURFACE_ROUNDS):
         now = _turned(elasticity, _onto_surface(elasticity, now, targets, scan), smoothing)
+    return _settled(elasticity, now, targets, scan)
+
+
+def _settled(
+    elasticity: Elasticity, now: Deformation, targets: Targets, scan: ScanSurface
+) -> Deformation:
+    """Rounds of as-rigid-as-possible with rotations that are hardly smoothed."""
+    lengths = np.where(targets.seen, LAST_SEEN_LENGTH, LAST_HIDDEN_LENGTH)
+    smoothing = elasticity.smoothing(np.ones(len(lengths)), lengths)
+    pulls, places = _drawn(elasticity, now, targets, scan)
+    relaxed = elasticity.relaxation(pulls)
+    for _ in range(LAST_ROUNDS):
+        now = replace(now, positions=relaxed(now.turns, places, now.positions))
+        now = _turned(elasticity, now, smoothing)
     return now
 
 
@@ -182,8 +207,20 @@ def _onto_surface(
     elasticity: Elasticity, now: Deformation, targets: Targets, scan: ScanSurface
 ) -> Deformation:
     """One step toward the closest points of the pieces; where there are none, toward the map."""
-    feet, found = scan.feet(now.positions, elasticity.mesh.faces)
+    pulls, places = _drawn(elasticity, now, targets, scan)
+    return _relaxed(elasticity, now, pulls, places)
+
+
+def _drawn(
+    elasticity: Elasticity, now: Deformation, targets: Targets, scan: ScanSurface
+) -> tuple[Floats, Floats]:
+    """How firmly (n,) each vertex is drawn to which place (n, 3)."""
+    inliers = _inliers(now.positions, targets.positions)
+    off = (inliers * targets.seen)[:, None] * (targets.positions - now.positions)
+    normals = vertex_normals(now.positions, elasticity.mesh.faces)
+    points, found = scan.closest(now.positions + TOWARD_MAP * off, normals)
     found &= targets.seen
-    firm = targets.confidence * _inliers(now.positions, targets.positions) / MAP_LENGTH**2
-    pulls = elasticity.areas * np.where(found, 1.0 / SURFACE_LENGTH**2, firm)
-    return _relaxed(elasticity, now, pulls, np.where(found[:, None], feet, targets.positions))
+    firm = targets.confidence * inliers / MAP_LENGTH**2
+    pulls: Floats = elasticity.areas * np.where(found, 1.0 / SURFACE_LENGTH**2, firm)
+    feet = points.positions(scan.mesh)
+    return pulls, np.where(found[:, None], feet, targets.positions)

@@ -88,7 +88,7 @@ def fit(
         targets = targets_of(matches).at(intake.report.original_vertices)
         surface = matched_surface(matches)
     with stages("deformation"):
-        deformation = fitted_shape(shape, targets, surface, sized=options.sizing == "local")
+        deformation = fitted_shape(shape, targets, surface, sizing=options.sizing)
     return fit_of(Solved(matches, intake, shape, targets, deformation), options, stages)
 
 

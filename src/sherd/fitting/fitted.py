@@ -15,6 +15,7 @@ from sherd.fitting.targets import Targets
 from sherd.fitting.turned_faces import without_turned_faces
 from sherd.mesh.surface_points import closest_points
 from sherd.mesh.triangle_mesh import TriangleMesh
+from sherd.results.fitted.fit_options import Sizing
 from sherd.spectral.sampling import decimate
 from sherd.threads import one_blas_thread
 
@@ -26,7 +27,7 @@ COARSE = 4000
 
 
 def fitted_shape(
-    shape: TriangleMesh, targets: Targets, surface: TriangleMesh, *, sized: bool
+    shape: TriangleMesh, targets: Targets, surface: TriangleMesh, *, sizing: Sizing
 ) -> Deformation:
     """The deformation of a shape that was repaired, at unit area, onto the pieces.
 
@@ -38,23 +39,23 @@ def fitted_shape(
         For its vertices.
     surface
         The matched faces of the pieces, in the same unit.
-    sized
-        Whether the shape may be locally larger or smaller than the pieces.
+    sizing
+        As of :class:`sherd.FitOptions`.
     """
     scan = ScanSurface(surface)
     with one_blas_thread():
         own = Elasticity(shape)
         if shape.vertex_count <= 1.5 * COARSE:
-            found = coarse_deformation(own, targets, scan, sized=sized)
+            found = coarse_deformation(own, targets, scan, sizing=sizing)
         else:
-            found = _through_coarse(shape, targets, scan, sized=sized)
+            found = _through_coarse(shape, targets, scan, sizing=sizing)
         found = fine_deformation(own, found, targets, scan)
         found = without_new_crossings(own, without_turned_faces(own, found), targets.seen)
         return without_turned_faces(own, found)
 
 
 def _through_coarse(
-    shape: TriangleMesh, targets: Targets, scan: ScanSurface, *, sized: bool
+    shape: TriangleMesh, targets: Targets, scan: ScanSurface, *, sizing: Sizing
 ) -> Deformation:
     small, points = decimate(shape, max(COARSE, len(shape.boundary_vertices) + 1))
     corners = targets.seen[shape.faces[points.faces]] | (points.barycentric == 0)
@@ -62,5 +63,5 @@ def _through_coarse(
         points.interpolate(shape, targets.positions),
         points.interpolate(shape, targets.confidence) * corners.all(axis=1),
     )
-    found = coarse_deformation(Elasticity(small), thinned, scan, sized=sized)
+    found = coarse_deformation(Elasticity(small), thinned, scan, sizing=sizing)
     return carried_up(small, found, closest_points(small, shape.vertices), shape.vertices)

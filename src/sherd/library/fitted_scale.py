@@ -15,14 +15,17 @@ import numpy as np
 from sherd.errors import InfeasibleError, OptionError
 from sherd.match import match
 from sherd.output import Stages
+from sherd.results.fitted.fit_options import Sizing
 from sherd.results.keywords import options_of
-from sherd.results.match_options import MatchKeywords, MatchOptions
+from sherd.results.match_options import MatchKeywords, MatchOptions, Scale
 from sherd.results.match_result import MatchResult
 from sherd.scan.intake import Intake, MeshSource, ScanSource, scan_intake
 from sherd.surface.prepared import as_template
 from sherd.surface.template import Template
 
-__all__ = ["FITTED_ANYWAY", "at_fitted_scale", "length_ratio_of", "match_with_fitted_scale"]
+__all__ = [
+    "FITTED_ANYWAY", "at_fitted_scale", "length_ratio_of", "match_with_fitted_scale", "sizing_after",
+]  # fmt: skip
 
 # In sqrt(area) of the full shape: straight lines that are longer are bent by the pose, and shorter
 # ones say how smooth the map is. Of a skull, 3 to 8 mm.
@@ -89,6 +92,14 @@ def at_fitted_scale(
     except InfeasibleError:  # so much larger it would not fit on the full shape
         return first
     return second if second.best.score > first.best.score else first
+
+
+def sizing_after(result: MatchResult, asked: Scale | float) -> Sizing:
+    """How a fit should be sized after a match with fitted scale that was asked at scale `asked`.
+
+    Where another scale fits better, the part is of another individual.
+    """
+    return "local" if result.options.scale == asked else "individual"
 
 
 def length_ratio_of(result: MatchResult) -> float:

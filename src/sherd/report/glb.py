@@ -91,7 +91,7 @@ class Buffer:
         self.accessors: list[dict[str, Any]] = []
 
     def add(self, array: NDArray[np.generic], target: int = VERTEX_BUFFER) -> int:
-        """The number of the accessor of a (n,) or (n, 3) array."""
+        """The number of the accessor of a (n,), (n, 2) or (n, 3) array."""
         kind = FLOAT if array.dtype.kind == "f" else UNSIGNED_INT
         data = np.ascontiguousarray(array, dtype="<f4" if kind == FLOAT else "<u4").tobytes()
         self.views.append(
@@ -107,7 +107,7 @@ class Buffer:
                 "bufferView": len(self.views) - 1,
                 "componentType": kind,
                 "count": len(array),
-                "type": "VEC3" if array.ndim == 2 else "SCALAR",
+                "type": f"VEC{array.shape[1]}" if array.ndim == 2 else "SCALAR",
             }
         )
         self.content += data

@@ -126,6 +126,7 @@ def payload(thinned: Thinned, staging: Staging) -> tuple[dict[str, Any], str]:
     ]
     meta = {
         "shapes": {"full": full, "part": part},
+        "names": dict(zip(("full", "part"), exhibit.names, strict=True)),
         "camera": {"up": staging.up.tolist(), "toward": staging.view.rotation[2].tolist()},
         "layers": {
             "full": [_layer(block, layer) for layer in exhibit.full_layers],

@@ -42,6 +42,7 @@ def write_report(
     command: str = "",
     errors: Floats | None = None,
     exports: tuple[str, ...] = (),
+    texture: str | os.PathLike[str] | None = None,
     overwrite: bool = False,
 ) -> dict[str, Any]:
     """Write all files of a result: tables, colored meshes, a picture, a page; see docs/files.md.
@@ -62,6 +63,9 @@ def write_report(
     exports
         Further files, of :data:`sherd.report.exports.SHAPE_EXPORTS` and, for a match,
         ``MAP_EXPORTS``.
+    texture
+        OBJ file that the full shape of a fit was read from: ``fit.obj`` keeps its texture
+        coordinates, groups and materials.
     overwrite
         Whether a result of another kind, or others' files of the same names, may be replaced too.
         Only files that the older ``result.json`` names are removed.
@@ -76,7 +80,9 @@ def write_report(
     OptionError
         If an export is unknown.
     InputError
-        If `result` is none, or errors are given for a region.
+        If `result` is none, errors are given for a region, or a texture for what is no fit.
+    MeshFileError
+        If the file with the texture cannot be read.
     OutputError
         If something cannot be written or must not be replaced; what stood in the folder before is
         untouched.
@@ -92,7 +98,7 @@ def write_report(
     ...     sorted(write_report(result, folder)["files"])
     ['part.ply', 'region.csv', 'region.ply', 'region.png', 'report.html']
     """
-    report = report_of(result, command=command, errors=errors)
+    report = report_of(result, command=command, errors=errors, texture=texture)
     document = plain(dict(report.document))
     kind = kind_of(document)
     replaced = replaceable_files(folder, kind, overwrite=overwrite)
@@ -115,8 +121,15 @@ def report_of(
     *,
     command: str = "",
     errors: Floats | None = None,
+    texture: str | os.PathLike[str] | None = None,
 ) -> Report:
     """What there is to write of a result, and to show."""
+    if isinstance(result, Fit):
+        if errors is not None:
+            raise InputError("errors are of the points of a match; a fit has none")
+        return fit_report(result, command=command, texture=texture)
+    if texture is not None:
+        raise InputError("a texture is for a fit, whose fit.obj keeps it")
     if isinstance(result, MatchResult):
         return match_report(result, command=command, errors=errors)
     if type(result) not in _REPORTS:
@@ -131,7 +144,6 @@ def report_of(
 
 _REPORTS: dict[type, Callable[..., Report]] = {
     Assembly: assembly_report,
-    Fit: fit_report,
     Identification: identify_report,
     Joined: joined_report,
     LocateResult: locate_report,

@@ -9,12 +9,13 @@ from typing import Any
 import numpy as np
 
 from sherd.arrays import Floats
+from sherd.errors import InfeasibleError, OptionError
 from sherd.fitting.targets import Targets
 from sherd.mesh.geometry import closest_rotation
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.results.match_result import MatchResult
 
-__all__ = ["arap_positions", "has_libigl", "nonrigid_icp_positions"]
+__all__ = ["arap_positions", "has_libigl", "nonrigid_icp_positions", "require_icp"]
 
 ROUNDS = 100
 # Landmarks are what costs memory; so many of the surest vertices seed the ICP.
@@ -26,10 +27,27 @@ def has_libigl() -> bool:
     return importlib.util.find_spec("igl") is not None
 
 
+def require_icp() -> None:
+    """Refuse where trimesh's non-rigid ICP cannot run.
+
+    Raises
+    ------
+    OptionError
+        If rtree, which it finds closest points by, is not installed.
+    """
+    if importlib.util.find_spec("rtree") is None:
+        raise OptionError("--icp: trimesh's non-rigid ICP needs rtree: pip install rtree")
+
+
 def arap_positions(shape: TriangleMesh, targets: Targets) -> Floats:
     """Libigl's as-rigid-as-possible deformation (spokes and rims), seen vertices at their targets.
 
     From the rigid motion that fits best, 100 rounds. (n, 3), in units of sqrt(area).
+
+    Raises
+    ------
+    InfeasibleError
+        If libigl has no solution, as where a component has no seen vertex.
     """
     igl: Any = importlib.import_module("igl")
     fixed = np.flatnonzero(targets.seen).astype(np.int64)
@@ -38,7 +56,10 @@ def arap_positions(shape: TriangleMesh, targets: Targets) -> Floats:
     data.max_iter = ROUNDS
     data.energy = igl.ARAP_ENERGY_TYPE_SPOKES_AND_RIMS
     faces = shape.faces.astype(np.int64)
-    igl.arap_precomputation(shape.vertices, faces, 3, fixed, data)
+    try:
+        igl.arap_precomputation(shape.vertices, faces, 3, fixed, data)
+    except RuntimeError as error:
+        raise InfeasibleError(f"{shape.name}: libigl has no solution ({error})") from error
     start = _rigid(shape, targets)
     return np.asarray(igl.arap_solve(places, data, start), dtype=np.float64)
 

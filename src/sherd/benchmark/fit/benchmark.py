@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from sherd._version import __version__
-from sherd.benchmark.fit.baselines import has_libigl
+from sherd.benchmark.fit.baselines import has_libigl, require_icp
 from sherd.benchmark.fit.measurement import WAYS, FitRow, Quality, measured_fit
 from sherd.benchmark.fit.sources import fit_sources
 from sherd.benchmark.runner import measured_rows
@@ -58,10 +58,12 @@ def fit_benchmark(
     MeshFileError
         If a file is missing or damaged.
     OptionError
-        If `poses`, `limit` or `jobs` is below 1.
+        If `poses`, `limit` or `jobs` is below 1, or the ICP cannot run.
     OutputError
         If the result cannot be written.
     """
+    if with_icp:
+        require_icp()
     require_whole("poses", poses, 1, 10**4, "no animation has more poses")
     if limit is not None:
         require_whole("pairs", limit, 1, 10**6, "no folder has more pairs")

@@ -19,9 +19,10 @@ from sherd.fitting.fit import fit
 from sherd.fitting.self_intersection import intersecting_faces
 from sherd.fitting.targets import Targets, targets_of
 from sherd.fitting.turned_faces import turned_faces
-from sherd.match import match
+from sherd.library.fitted_scale import match_with_fitted_scale, sizing_after
 from sherd.mesh.geometry import face_areas
 from sherd.mesh.triangle_mesh import TriangleMesh
+from sherd.results.match_options import MatchOptions
 from sherd.results.match_result import MatchResult
 
 __all__ = ["WAYS", "FitRow", "Quality", "measured_fit"]
@@ -92,17 +93,20 @@ def measured_fit(source: FitSource, *, with_icp: bool = False) -> FitRow:
     shape = pair.full.with_vertices(pair.full.vertices / unit)
     nothing = Quality()
     try:
-        found = match(pair.full, pair.part)
+        found = match_with_fitted_scale(pair.full, pair.part)
     except InfeasibleError:
         return FitRow(
             source.name, source.group, shape.vertex_count, "none", nothing, nothing, nothing, ()
         )
     start = time.perf_counter()
-    answer = fit(found)
+    answer = fit(found, sizing=sizing_after(found, MatchOptions.scale))
     seconds = time.perf_counter() - start
     own = _quality(pair, shape, answer.positions / unit, seconds)
     targets = targets_of([found])
-    arap = _timed(pair, shape, lambda: arap_positions(shape, targets)) if has_libigl() else nothing
+    if has_libigl():
+        arap = _timed(pair, shape, lambda: arap_positions(shape, targets) / found.scale)
+    else:
+        arap = nothing
     icp = _timed(pair, shape, lambda: _icp(shape, targets, found)) if with_icp else nothing
     near = np.linalg.norm(answer.positions - pair.truth, axis=1) < answer.options.near * unit
     return FitRow(
@@ -118,12 +122,15 @@ def measured_fit(source: FitSource, *, with_icp: bool = False) -> FitRow:
 
 
 def _icp(shape: TriangleMesh, targets: Targets, found: MatchResult) -> Floats:
-    return nonrigid_icp_positions(shape, targets, found)
+    return nonrigid_icp_positions(shape, targets, found) / found.scale
 
 
 def _timed(pair: FitPair, shape: TriangleMesh, solve: Callable[[], Floats]) -> Quality:
     start = time.perf_counter()
-    positions = solve()
+    try:
+        positions = solve()
+    except InfeasibleError:
+        return Quality()
     return _quality(pair, shape, positions, time.perf_counter() - start)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from typing import Any
@@ -13,6 +14,7 @@ from sherd.drawing.camera import upward
 from sherd.drawing.colors import correspondence_layer, full_layer
 from sherd.drawing.exhibit import Exhibit, Layer, Partner, Verdict
 from sherd.files.encode import encoded
+from sherd.files.obj_texture import moved_obj
 from sherd.mesh.geometry import closest_rotation
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
@@ -33,14 +35,16 @@ NAMED = 4
 LEAST_SIZE = 0.005
 
 
-def fit_report(result: Fit, *, command: str = "") -> Report:
-    """All that is written of a fit."""
+def fit_report(
+    result: Fit, *, command: str = "", texture: str | os.PathLike[str] | None = None
+) -> Report:
+    """All that is written of a fit, its OBJ file textured as the file `texture` is."""
     document = _document(result, command)
     exhibit = fitted_exhibit(result, document)
     colors = full_layer(exhibit, "correspondence") or exhibit.full_layers[0]
     files: dict[str, str | bytes] = {
         "fit.ply": painted_ply(result.mesh, exhibit.full_layers, painted=colors),
-        "fit.obj": encoded(TriangleMesh(result.positions, result.full.faces), ".obj"),
+        "fit.obj": _obj(result, texture),
         "fit.glb": morph_glb(result.full, result.positions, colors),
         "fit.csv": _vertices_csv(result),
         "full.ply": painted_ply(result.full, file_layers(result.full.fields)),
@@ -52,6 +56,12 @@ def fit_report(result: Fit, *, command: str = "") -> Report:
     if done is not None:
         files["completed.ply"] = encoded(done.mesh, ".ply", fields={"origin": done.origin})
     return Report(document, exhibit, files, picture_name="fit.png")
+
+
+def _obj(result: Fit, texture: str | os.PathLike[str] | None) -> bytes:
+    if texture is not None:
+        return moved_obj(texture, result.positions)
+    return encoded(TriangleMesh(result.positions, result.full.faces), ".obj")
 
 
 def fitted_exhibit(result: Fit, document: Mapping[str, Any]) -> Exhibit:
@@ -264,10 +274,14 @@ def _sentences(result: Fit) -> tuple[str, ...]:
         f"From the fit back to the scan it is {back.mean:.3g} on average, {back.largest:.3g} at "
         "most.",
     ]
+    scale = result.pieces[0].scale
+    beside = "" if scale == 1 else ", beside the scale of the match"
+    if scale != 1:
+        said.append(f"Lengths of the scan were multiplied by {scale:.4g} to match.")
     if np.abs(result.sizes - 1).max() > LEAST_SIZE:
         said.append(
             f"The full shape was made {result.sizes.min():.2f} to {result.sizes.max():.2f} times "
-            "as large."
+            f"as large{beside}."
         )
     for region in result.hidden[:NAMED]:
         deepest = result.chance[region.vertex]

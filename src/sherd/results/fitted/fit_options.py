@@ -11,7 +11,7 @@ from sherd.results.display import differences
 
 __all__ = ["SIZINGS", "FitKeywords", "FitOptions", "Sizing"]
 
-Sizing = Literal["local", "none"]
+Sizing = Literal["local", "individual", "none"]
 SIZINGS: tuple[Sizing, ...] = get_args(Sizing)
 
 
@@ -22,8 +22,9 @@ class FitOptions:
     Parameters
     ----------
     sizing
-        ``"local"``: the full shape is sized where the pieces ask for it, as another individual
-        does; ``"none"``: it is the same body, which bends only.
+        ``"local"``: the full shape is sized where the pieces ask for more than a pose may stretch;
+        ``"individual"``: it is another individual, and how much larger the pieces are as a whole is
+        believed as it is; ``"none"``: it is the same body, which bends only.
     near
         What counts as near in :attr:`sherd.Fit.chance`, in sqrt(area of the full shape).
     merge
@@ -49,7 +50,9 @@ class FitOptions:
 
     def __post_init__(self) -> None:
         if self.sizing not in SIZINGS:
-            raise OptionError(f'sizing is {self.sizing!r}, but "local" or "none" is needed')
+            raise OptionError(
+                f'sizing is {self.sizing!r}, but "local", "individual" or "none" is needed'
+            )
         reason = "chances were measured for distances from 0.005 to 0.1 sqrt(area)"
         require_finite("near", self.near, 0.005, 0.1, reason)
         object.__setattr__(self, "near", float(self.near))

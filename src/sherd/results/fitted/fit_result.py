@@ -203,13 +203,14 @@ class Fit(FrozenState):
     chance
         (n,) in [0, 1], that a vertex is within `options.near` sqrt(area) of where it truly is. What
         was not seen has a pose that nobody knows: its chance falls with the distance from the cut.
-        Calibrated on poses of one body; for another individual, whose map is worse, too high.
+        None is above the chance of the match itself, and all are lower where what was seen is
+        larger or smaller than the full shape, as another individual is.
     distances
         (n,) from each seen vertex to the pieces, in their unit; NaN where nothing was seen.
     strain
         (n,) relative strain of the edges at each vertex, the size that was found aside.
     sizes
-        (n,) how many times larger the full shape was made there.
+        (n,) how many times larger the full shape was made there, beside the scale of the match.
     check
         Turned faces, area, intersections.
     hidden
