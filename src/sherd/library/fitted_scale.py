@@ -24,7 +24,8 @@ from sherd.surface.prepared import as_template
 from sherd.surface.template import Template
 
 __all__ = [
-    "FITTED_ANYWAY", "at_fitted_scale", "length_ratio_of", "match_with_fitted_scale", "sizing_after",
+    "FITTED_ANYWAY", "at_fitted_scale", "length_ratio_of", "match_with_fitted_scale",
+    "sizing_after",
 ]  # fmt: skip
 
 # In sqrt(area) of the full shape: straight lines that are longer are bent by the pose, and shorter
