@@ -9,6 +9,7 @@ import pytest
 from sherd.errors import InfeasibleError, OptionError
 from sherd.library import fitted_scale
 from sherd.library.fitted_scale import length_ratio_of, match_with_fitted_scale
+from sherd.mesh.sizes import check_sizes
 
 
 @pytest.fixture(scope="module")
@@ -49,15 +50,28 @@ def test_the_better_answer_is_taken(exact, monkeypatch, factor, second_score, sc
     assert found.scale == pytest.approx(factor if taken else 1.0)
 
 
-def test_a_second_match_that_cannot_be_changes_nothing(exact, monkeypatch) -> None:
-    part = _smaller(exact, 1.1)
+@pytest.mark.parametrize(("larger", "asked"), [(1.1, [1.1]), (1.2, [1.14018]), (1.6, [])])
+def test_a_whole_that_is_larger_is_asked_at_the_largest_size_that_fits(
+    exact, monkeypatch, larger, asked
+) -> None:
+    """A part may have 1.3 times the area of the full shape: 1.14018 times its lengths."""
+    part = exact.full.with_vertices(exact.full.vertices * larger)
+    sizes = []
 
-    def matched(_full, _part, options, *, stages):
-        if options.scale != "same":
-            raise InfeasibleError("too large")
-        return part
+    def matched(_full, scan, options, *, stages):
+        check_sizes(exact.full, scan.mesh, factor=options.factor)
+        sizes.append(options.factor * larger)
+        return exact
 
     monkeypatch.setattr(fitted_scale, "match", matched)
-    assert match_with_fitted_scale(exact.full, part.part) is part
+    if asked:
+        match_with_fitted_scale(exact.full, part)
+    else:
+        with pytest.raises(InfeasibleError, match="are the two swapped"):
+            match_with_fitted_scale(exact.full, part)
+    assert sizes == pytest.approx(asked, abs=1e-4)
+
+
+def test_an_unknown_scale_is_fitted_anyway(exact) -> None:
     with pytest.raises(OptionError, match="is fitted anyway"):
-        match_with_fitted_scale(exact.full, part.part, scale="unknown")
+        match_with_fitted_scale(exact.full, exact.part, scale="unknown")

@@ -9,7 +9,7 @@ from functools import lru_cache, partial
 from sherd.batching.templates import FullShape, loaded_template
 from sherd.errors import InfeasibleError, MeshFileError, OptionError
 from sherd.library.candidate import Candidate
-from sherd.library.fitted_scale import at_fitted_scale
+from sherd.library.fitted_scale import at_fitted_scale, match_with_fitted_scale
 from sherd.library.folder import Library
 from sherd.library.identify import identify_among
 from sherd.match import match
@@ -58,6 +58,8 @@ def best_match(
     OptionError
         If a landmark or ignored vertex does not exist, or landmarks are given for several shapes.
     """
+    if fit_scale and len(fulls) == 1:
+        return Chosen(fulls[0], match_with_fitted_scale(loaded_template(fulls[0]), part, options))
     chosen = _chosen(fulls, part, options)
     if not fit_scale:
         return chosen

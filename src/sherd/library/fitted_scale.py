@@ -12,8 +12,9 @@ from typing import Unpack
 
 import numpy as np
 
-from sherd.errors import InfeasibleError, OptionError
+from sherd.errors import OptionError
 from sherd.match import match
+from sherd.mesh.sizes import LARGEST_PART, check_areas
 from sherd.output import Stages
 from sherd.results.fitted.fit_options import Sizing
 from sherd.results.keywords import options_of
@@ -38,6 +39,8 @@ LITTLE = 0.02
 # Parts of another size than this many times that of the full shape's kind are not of another
 # individual; their scale is unknown.
 LARGEST_RATIO = 1.5
+# So that a size at the bound is within it.
+ROUNDING = 1e-9
 
 FITTED_ANYWAY = (
     'scale is "unknown", which is fitted anyway; give another scale, or do not ask to fit it'
@@ -71,7 +74,7 @@ def match_with_fitted_scale(
         raise OptionError(FITTED_ANYWAY)
     stages = stages or Stages(visible=False)
     template, scan = as_template(full), scan_intake(part)
-    first = match(template, scan, options, stages=stages)
+    first = match(template, scan, _not_too_large(template, scan, options), stages=stages)
     return at_fitted_scale(first, template, scan, options, stages=stages)
 
 
@@ -88,11 +91,23 @@ def at_fitted_scale(
     if not LITTLE < abs(np.log(ratio)) < np.log(LARGEST_RATIO):
         return first
     fitted = replace(options, scale=first.scale * ratio, part_unit=None, full_unit=None)
-    try:
-        second = match(template, part, fitted, stages=stages)
-    except InfeasibleError:  # so much larger it would not fit on the full shape
-        return first
+    second = match(template, part, _not_too_large(template, part, fitted), stages=stages)
     return second if second.best.score > first.best.score else first
+
+
+def _not_too_large(template: Template, part: Intake, options: MatchOptions) -> MatchOptions:
+    """The same question, for a part so much larger than a match takes that it may be another one.
+
+    It is asked at the largest size that fits. Areas differ more than lengths: those of skulls, with
+    all that is inside, by 1.37 where lengths differ by 1.1.
+    """
+    full = template.intake.mesh
+    check_areas(full, part.mesh)
+    ratio = part.mesh.area * options.factor**2 / full.area
+    if not LARGEST_PART < ratio < LARGEST_RATIO**2:
+        return options
+    fitting = options.factor * np.sqrt(LARGEST_PART / ratio) * (1 - ROUNDING)
+    return replace(options, scale=float(fitting), part_unit=None, full_unit=None)
 
 
 def sizing_after(result: MatchResult, asked: Scale | float) -> Sizing:
