@@ -9,17 +9,17 @@ import numpy as np
 
 from sherd.arrays import Bools, Floats, Ints
 from sherd.fitting.as_rigid_as_possible import Elasticity, closest_rotations
-from sherd.fitting.deformation import Deformation
+from sherd.fitting.deformation import Deformation, without_data
 from sherd.fitting.self_intersection import intersecting_faces, intersecting_pairs
 from sherd.mesh.geometry import closest_rotation, face_areas, face_normals
 from sherd.mesh.topology import component_labels
 
-__all__ = ["without_new_crossings"]
+__all__ = ["new_crossings", "without_new_crossings"]
 
 # Shares of their own turning that crossing regions are turned back by, the least first.
 SHARES = (0.25, 0.5, 0.75, 1.0)
 # Around crossings of what was seen so many rings of edges are let go.
-RINGS = (1, 2, 4, 8, 16)
+RINGS = (1, 2, 4, 8)
 # Each round pushes by what is crossed, and a limb is thicker than what crosses first.
 ROUNDS = 6
 # So much more than what is crossed, in mean edges.
@@ -92,14 +92,7 @@ def _released(
     released &= seen
     for _ in range(rings):
         released |= around @ released.astype(np.float64) > 0
-    held = (~released).astype(np.float64)
-    continued = elasticity.smoothing(held, np.full(len(held), elasticity.mesh.mean_edge_length))
-    before = found.rotations.reshape(-1, 9)
-    rotations = closest_rotations(continued(before, before).reshape(-1, 3, 3))
-    rotations = np.where(released[:, None, None], rotations, found.rotations)
-    step = replace(found, rotations=rotations)
-    relaxed = elasticity.relaxation(elasticity.areas * held / SEEN_LENGTH**2)
-    return replace(step, positions=relaxed(step.turns, found.positions, found.positions))
+    return without_data(elasticity, found, released)
 
 
 def _turning_back(
@@ -123,6 +116,13 @@ def _turning_back(
         return replace(step, positions=relaxed(step.turns, found.positions, found.positions))
 
     return turned
+
+
+def new_crossings(elasticity: Elasticity, found: Deformation) -> int:
+    """How many faces pierce others that do not in the full shape."""
+    faces = elasticity.mesh.faces
+    fresh = intersecting_faces(found.positions, faces) & ~intersecting_faces(elasticity.rest, faces)
+    return int(fresh.sum())
 
 
 def _new_pairs(positions: Floats, faces: Ints, before: Bools) -> Ints:
