@@ -57,6 +57,24 @@ def test_crossed_limbs_are_pushed_apart(fork) -> None:
     assert np.abs(answer.positions[seen] - crossed[seen]).max() < 0.01
 
 
+def test_what_the_map_mixes_up_is_let_go(fork) -> None:
+    """All was seen, but a patch of one limb was mapped into the other one."""
+    elasticity, seen = fork
+    rest, faces = elasticity.rest, elasticity.mesh.faces
+    left, right = (~seen & (rest[:, 0] < 0)), (~seen & (rest[:, 0] > 0))
+    inmost = np.flatnonzero(left)[rest[left, 0].argmax()]
+    gap = rest[right, 0].min() - rest[inmost, 0]
+    patch = np.linalg.norm(rest - rest[inmost], axis=1) < 0.1
+    mixed = rest.copy()
+    mixed[patch, 0] += 1.3 * gap
+    assert intersecting_faces(mixed, faces).any()
+    everything = np.ones(len(rest), dtype=bool)
+    answer = without_new_crossings(elasticity, identity(elasticity, mixed), everything)
+    assert not intersecting_faces(answer.positions, faces).any()
+    assert np.abs(answer.positions[right] - rest[right]).max() < 0.1
+    assert np.abs(answer.positions[seen] - rest[seen]).max() < 0.005
+
+
 def test_what_crosses_nothing_is_left_alone(fork) -> None:
     elasticity, seen = fork
     found = identity(elasticity, elasticity.rest + 1.0)

@@ -9,15 +9,17 @@ import numpy as np
 
 from sherd.arrays import Bools, Floats, Ints
 from sherd.fitting.as_rigid_as_possible import Elasticity, closest_rotations
-from sherd.fitting.deformation import Deformation
+from sherd.fitting.deformation import Deformation, without_data
 from sherd.fitting.self_intersection import intersecting_faces, intersecting_pairs
 from sherd.mesh.geometry import closest_rotation, face_areas, face_normals
 from sherd.mesh.topology import component_labels
 
-__all__ = ["without_new_crossings"]
+__all__ = ["new_crossings", "without_new_crossings"]
 
 # Shares of their own turning that crossing regions are turned back by, the least first.
 SHARES = (0.25, 0.5, 0.75, 1.0)
+# Around crossings of what was seen so many rings of edges are let go.
+RINGS = (1, 2, 4, 8)
 # Each round pushes by what is crossed, and a limb is thicker than what crosses first.
 ROUNDS = 6
 # So much more than what is crossed, in mean edges.
@@ -31,16 +33,17 @@ AREA_CHANGE = 0.02
 def without_new_crossings(elasticity: Elasticity, found: Deformation, seen: Bools) -> Deformation:
     """The same, or with fewer faces that pierce others and did not in the full shape.
 
-    First, hidden regions that cross something turn back toward where they are beside the whole in
-    the full shape, where they crossed nothing. Then, where two surfaces still go through each
-    other, the hidden vertices of each that lie behind the other are pushed before it, and what is
-    around follows. What was seen stays. A step is kept only if it leaves fewer crossings and the
-    area.
+    First, where what was seen crosses something, as fingers do that the map mixes up, the data let
+    go in wider and wider surroundings, and rotations and places continue from around. Then, hidden
+    regions that cross something turn back toward where they are beside the whole in the full shape,
+    where they crossed nothing. Last, where two surfaces still go through each other, the hidden
+    vertices of each that lie behind the other are pushed before it, and what is around follows;
+    what was seen stays. A step is kept only if it leaves fewer crossings and the area.
     """
     faces = elasticity.mesh.faces
     before = intersecting_faces(elasticity.rest, faces)
     pairs = _new_pairs(found.positions, faces, before)
-    if not len(pairs) or seen.all():
+    if not len(pairs):
         return found
     wanted = elasticity.mesh.face_areas @ (found.sizes[faces] ** 2).mean(axis=1)
     best, least = found, pairs
@@ -58,7 +61,14 @@ def without_new_crossings(elasticity: Elasticity, found: Deformation, seen: Bool
             best, least = step, crossing
         return len(crossing) > 0
 
-    turning = _turning_back(elasticity, found, pairs, seen)
+    for rings in RINGS:
+        if not seen[faces[np.unique(least)]].any():
+            break
+        if not kept(_released(elasticity, best, least, seen, rings)):
+            return best
+    if seen.all():
+        return best
+    turning = _turning_back(elasticity, best, least, seen)
     for share in SHARES:
         if not kept(turning(share)):
             return best
@@ -70,6 +80,19 @@ def without_new_crossings(elasticity: Elasticity, found: Deformation, seen: Bool
         now = _pushed(elasticity, now, pairs, seen)
         kept(now)
     return best
+
+
+def _released(
+    elasticity: Elasticity, found: Deformation, pairs: Ints, seen: Bools, rings: int
+) -> Deformation:
+    """What was seen around crossings is no longer held; the rest stays where it is."""
+    around = elasticity.springs.astype(bool).astype(np.float64)
+    released = np.zeros(len(seen), dtype=bool)
+    released[elasticity.mesh.faces[np.unique(pairs)].ravel()] = True
+    released &= seen
+    for _ in range(rings):
+        released |= around @ released.astype(np.float64) > 0
+    return without_data(elasticity, found, released)
 
 
 def _turning_back(
@@ -93,6 +116,13 @@ def _turning_back(
         return replace(step, positions=relaxed(step.turns, found.positions, found.positions))
 
     return turned
+
+
+def new_crossings(elasticity: Elasticity, found: Deformation) -> int:
+    """How many faces pierce others that do not in the full shape."""
+    faces = elasticity.mesh.faces
+    fresh = intersecting_faces(found.positions, faces) & ~intersecting_faces(elasticity.rest, faces)
+    return int(fresh.sum())
 
 
 def _new_pairs(positions: Floats, faces: Ints, before: Bools) -> Ints:

@@ -19,7 +19,15 @@ from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.results.fitted.fit_options import Sizing
 
-__all__ = ["Deformation", "carried_up", "coarse_deformation", "fine_deformation"]
+__all__ = [
+    "HOLD_LENGTH",
+    "Deformation",
+    "bent_deformation",
+    "carried_up",
+    "coarse_deformation",
+    "fine_deformation",
+    "without_data",
+]
 
 # All lengths are in units of sqrt(area of the full shape). Data terms are areas over squared
 # lengths: below such a length elasticity decides, above it the data. Places of a map are good to
@@ -42,6 +50,8 @@ SEEN_LENGTH, LARGEST_LENGTH = 0.03, 0.5
 FAR_CERTAINTY, NEAR_CUT = 0.02, 0.05
 # Rotations to begin with, of places that were not averaged yet.
 FIRST_LENGTH = 0.05
+# What is not released stays within this.
+HOLD_LENGTH = 0.002
 MAP_ROUNDS, SURFACE_ROUNDS, FINE_ROUNDS = 8, 4, 2
 # Rotations that are smoothed over so much bend too little at the cut: with the true places of what
 # was seen, 16 parts of animals had hidden errors of 1.18 times libigl's ARAP. So the last rounds
@@ -110,13 +120,16 @@ def coarse_deformation(
         now = _turned(elasticity, now, smoothing)
     for _ in range(SURFACE_ROUNDS):
         now = _turned(elasticity, _onto_surface(elasticity, now, targets, scan), smoothing)
-    return _settled(elasticity, now, targets, scan)
+    return now
 
 
-def _settled(
+def bent_deformation(
     elasticity: Elasticity, now: Deformation, targets: Targets, scan: ScanSurface
 ) -> Deformation:
-    """Rounds of as-rigid-as-possible with rotations that are hardly smoothed."""
+    """What :func:`coarse_deformation` found, bent more where its smooth rotations bend too little.
+
+    Rounds of as-rigid-as-possible with rotations that are hardly smoothed.
+    """
     lengths = np.where(targets.seen, LAST_SEEN_LENGTH, LAST_HIDDEN_LENGTH)
     smoothing = elasticity.smoothing(np.ones(len(lengths)), lengths)
     pulls, places = _drawn(elasticity, now, targets, scan)
@@ -160,6 +173,19 @@ def fine_deformation(
     for _ in range(FINE_ROUNDS):
         now = _onto_surface(elasticity, now, targets, scan)
     return now
+
+
+def without_data(elasticity: Elasticity, found: Deformation, released: Bools) -> Deformation:
+    """The same, but what is `released` (n,) continues from around: nothing holds it any more."""
+    held = (~released).astype(np.float64)
+    lengths = np.full(len(held), elasticity.mesh.mean_edge_length)
+    before = found.rotations.reshape(-1, 9)
+    smooth = closest_rotations(
+        elasticity.smoothing(held, lengths)(before, before).reshape(-1, 3, 3)
+    )
+    rotations = np.where(released[:, None, None], smooth, found.rotations)
+    step = replace(found, rotations=rotations)
+    return _relaxed(elasticity, step, elasticity.areas * held / HOLD_LENGTH**2, found.positions)
 
 
 def _rigid(elasticity: Elasticity, targets: Targets) -> Deformation:

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 from sherd.fitting.as_rigid_as_possible import Elasticity
-from sherd.fitting.crossing import without_new_crossings
+from sherd.fitting.crossing import new_crossings, without_new_crossings
 from sherd.fitting.deformation import (
     Deformation,
+    bent_deformation,
     carried_up,
     coarse_deformation,
     fine_deformation,
@@ -24,6 +27,8 @@ __all__ = ["fitted_shape"]
 # Poses are decided on so many vertices: 0.04 s for a factorization and a solve, where 10,000 take
 # 0.2 s, and joints are still a dozen edges around.
 COARSE = 4000
+# Share of the faces: a fit of which more pierce others is in doubt, so the smooth one is tried.
+MOST_CROSSINGS = 0.001
 
 
 def fitted_shape(
@@ -45,23 +50,35 @@ def fitted_shape(
     scan = ScanSurface(surface)
     with one_blas_thread():
         own = Elasticity(shape)
-        if shape.vertex_count <= 1.5 * COARSE:
-            found = coarse_deformation(own, targets, scan, sizing=sizing)
-        else:
-            found = _through_coarse(shape, targets, scan, sizing=sizing)
-        found = fine_deformation(own, found, targets, scan)
-        found = without_new_crossings(own, without_turned_faces(own, found), targets.seen)
-        return without_turned_faces(own, found)
+        tried: list[tuple[int, Deformation]] = []
+        for start in _starts(own, targets, scan, sizing=sizing):
+            found = fine_deformation(own, start, targets, scan)
+            found = without_new_crossings(own, without_turned_faces(own, found), targets.seen)
+            found = without_turned_faces(own, found)
+            tried.append((new_crossings(own, found), found))
+            if tried[-1][0] <= MOST_CROSSINGS * shape.face_count:
+                break
+        return min(tried, key=lambda each: each[0])[1]
 
 
-def _through_coarse(
-    shape: TriangleMesh, targets: Targets, scan: ScanSurface, *, sizing: Sizing
-) -> Deformation:
+def _starts(
+    own: Elasticity, targets: Targets, scan: ScanSurface, *, sizing: Sizing
+) -> Iterator[Deformation]:
+    """The bent deformation, nearer to the truth, and the smooth one, which crosses less."""
+    shape = own.mesh
+    if shape.vertex_count <= 1.5 * COARSE:
+        smooth = coarse_deformation(own, targets, scan, sizing=sizing)
+        yield bent_deformation(own, smooth, targets, scan)
+        yield smooth
+        return
     small, points = decimate(shape, max(COARSE, len(shape.boundary_vertices) + 1))
     corners = targets.seen[shape.faces[points.faces]] | (points.barycentric == 0)
     thinned = Targets(
         points.interpolate(shape, targets.positions),
         points.interpolate(shape, targets.confidence) * corners.all(axis=1),
     )
-    found = coarse_deformation(Elasticity(small), thinned, scan, sizing=sizing)
-    return carried_up(small, found, closest_points(small, shape.vertices), shape.vertices)
+    elasticity, places = Elasticity(small), closest_points(small, shape.vertices)
+    smooth = coarse_deformation(elasticity, thinned, scan, sizing=sizing)
+    bent = bent_deformation(elasticity, smooth, thinned, scan)
+    for found in (bent, smooth):
+        yield carried_up(small, found, places, shape.vertices)

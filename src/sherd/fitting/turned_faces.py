@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import replace
+
 import numpy as np
 
 from sherd.arrays import Bools, Floats, Ints
 from sherd.fitting.as_rigid_as_possible import Elasticity
-from sherd.fitting.deformation import Deformation
+from sherd.fitting.deformation import HOLD_LENGTH, Deformation, without_data
 from sherd.mesh.geometry import face_cross
 
 __all__ = ["turned_faces", "without_turned_faces"]
 
 # Rounds of releasing what is around turned faces; each doubles how far around.
 ROUNDS = 6
-# So firmly are vertices held that are not released, in units as data terms.
-HOLD_LENGTH = 0.002
 
 
 def turned_faces(rest: Floats, positions: Floats, rotations: Floats, faces: Ints) -> Bools:
@@ -32,25 +33,43 @@ def turned_faces(rest: Floats, positions: Floats, rotations: Floats, faces: Ints
 def without_turned_faces(elasticity: Elasticity, found: Deformation) -> Deformation:
     """The same, but around turned faces the data no longer draw, and elasticity decides.
 
-    What is farther away stays. The rotations are those that fit the edges of each vertex, so this
-    is a question to the positions alone. If some faces cannot be turned back, the deformation with
-    the fewest is returned.
+    What is farther away stays. Whether a face is turned is asked beside the rotations that fit the
+    edges of each vertex, so this is a question to the positions alone. Rotations stay at first, and
+    continue from around where that is not enough. If some faces cannot be turned back, the
+    deformation with the fewest is returned.
     """
-    best, fewest = found, np.inf
-    now, faces = found, elasticity.mesh.faces
+    best, fewest = _with_fewest(elasticity, found, _with_same_rotations)
+    return best if fewest == 0 else _with_fewest(elasticity, best, without_data)[0]
+
+
+def _with_fewest(
+    elasticity: Elasticity,
+    found: Deformation,
+    without: Callable[[Elasticity, Deformation, Bools], Deformation],
+) -> tuple[Deformation, int]:
+    """The one with the fewest turned faces when more and more is let go, and how many there are."""
+    now, best, fewest = found, found, -1
+    faces = elasticity.mesh.faces
     around = elasticity.springs.astype(bool).astype(np.float64)
     released = np.zeros(len(found.positions), dtype=bool)
     for step in range(ROUNDS):
         rotations = elasticity.fitted_rotations(now.positions)
         turned = turned_faces(elasticity.rest, now.positions, rotations, faces)
-        if turned.sum() < fewest:
-            best, fewest = Deformation(now.positions, now.rotations, now.sizes), turned.sum()
-        if not turned.any():
+        count = int(turned.sum())
+        if fewest < 0 or count < fewest:
+            best, fewest = now, count
+        if count == 0:
             break
         released[faces[turned].ravel()] = True
         for _ in range(step + 1):
             released |= around @ released.astype(np.float64) > 0
-        pulls = elasticity.areas * np.where(released, 0.0, 1.0 / HOLD_LENGTH**2)
-        relaxed = elasticity.relaxation(pulls)(found.turns, found.positions, found.positions)
-        now = Deformation(relaxed, found.rotations, found.sizes)
-    return best
+        now = without(elasticity, found, released)
+    return best, fewest
+
+
+def _with_same_rotations(
+    elasticity: Elasticity, found: Deformation, released: Bools
+) -> Deformation:
+    pulls = elasticity.areas * np.where(released, 0.0, 1.0 / HOLD_LENGTH**2)
+    relaxed = elasticity.relaxation(pulls)(found.turns, found.positions, found.positions)
+    return replace(found, positions=relaxed)

@@ -72,6 +72,7 @@ def nonrigid_icp_positions(shape: TriangleMesh, targets: Targets, match: MatchRe
 
     unit = match.full.length / match.scale
     scan = trimesh.Trimesh(match.part.vertices / unit, match.part.faces, process=False)
+    scan.update_faces(scan.nondegenerate_faces())  # it has no closest points on others
     source = trimesh.Trimesh(_rigid(shape, targets), shape.faces, process=False)
     seen = np.flatnonzero(targets.seen)
     order = seen[np.argsort(-targets.confidence[seen], kind="stable")]

@@ -29,8 +29,10 @@ from sherd.library.fitted_scale import match_with_fitted_scale, sizing_after
 from sherd.limits import require_whole
 from sherd.mesh.geometry import closest_rotation
 from sherd.mesh.surface_points import closest_points
+from sherd.mesh.topology import component_labels
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.results.match_options import MatchOptions
+from sherd.scan.intake import mesh_intake
 from sherd.shapes.rotation import rotated
 from sherd.spectral.sampling import decimate
 
@@ -180,7 +182,7 @@ def _errors(row: SkullFitRow, way: str, *, seen: bool) -> Floats:
 
 def _measured(case: SkullCase, *, with_icp: bool) -> SkullFitRow:
     whole, landmarks = read_skull(case.template)
-    template = decimate(whole, VERTICES)[0]
+    template = _one_surface(decimate(_one_surface(whole), VERTICES)[0])
     specimen, truth = read_skull(case.specimen)
     rng = np.random.default_rng(seed_of(f"{case.specimen.stem} half", 0))
     half = half_of_skull(specimen, rng)
@@ -227,6 +229,14 @@ def _measured(case: SkullCase, *, with_icp: bool) -> SkullFitRow:
         seconds=seconds,
         **errors,
     )
+
+
+def _one_surface(mesh: TriangleMesh) -> TriangleMesh:
+    """The largest component, repaired: libigl and trimesh have no solution for all of a skull."""
+    repaired = mesh_intake(mesh).mesh
+    labels = component_labels(repaired.faces, repaired.vertex_count)
+    areas = np.bincount(labels, repaired.vertex_areas)
+    return repaired.submesh(labels[repaired.faces[:, 0]] == areas.argmax())[0]
 
 
 def _near(half: TriangleMesh, positions: Floats) -> Bools:
