@@ -10,13 +10,13 @@ from sherd.match import STAGES as MATCH_STAGES
 from sherd.output import Stages
 from sherd.puzzle.answers import AssemblyQuestion, Decision, assembly_of
 from sherd.puzzle.borders import bordering
+from sherd.puzzle.further_trials import trials_again
 from sherd.puzzle.joint_choice import joint_choice
 from sherd.puzzle.partition import Partition
 from sherd.puzzle.trials import (
     candidates_of,
     chosen_trials,
     rigid_trials,
-    trials_again,
     trials_alone,
 )
 from sherd.results.keywords import options_of
@@ -80,7 +80,7 @@ def assemble(
 
     Notes
     -----
-    Each piece is placed once, and once more where it clashes with others or is in doubt.
+    Each piece is placed once, and again where it clashes with others or is torn between places.
 
     References
     ----------

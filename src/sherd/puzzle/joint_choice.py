@@ -27,7 +27,7 @@ from scipy.sparse import csgraph
 from sherd.arrays import Bools, Floats, Ints
 from sherd.puzzle.border import Border, facing_lengths
 
-__all__ = ["Candidate", "Choice", "joint_choice", "shared_areas"]
+__all__ = ["LEAST_CHANCE", "Candidate", "Choice", "joint_choice", "shared_areas"]
 
 # Price of area that two pieces claim. Above 1, so that a sure piece that lies wholly where a surer
 # one lies is refused; not far above, so that two sure scans may share two thirds of one.
