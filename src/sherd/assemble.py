@@ -9,7 +9,7 @@ from sherd.errors import InputError
 from sherd.match import STAGES as MATCH_STAGES
 from sherd.output import Stages
 from sherd.puzzle.answers import AssemblyQuestion, Decision, assembly_of
-from sherd.puzzle.borders import bordering
+from sherd.puzzle.borders import bordering, cut_apart
 from sherd.puzzle.further_trials import trials_again
 from sherd.puzzle.joint_choice import joint_choice
 from sherd.puzzle.partition import Partition
@@ -116,6 +116,9 @@ def assemble(
         )
         chosen = chosen_trials(trials, choice)
     with stages("borders"):
-        placed = bordering(chosen, as_they_are=options.may_overlap or options.rigid)
-    decision = Decision(trials, chosen, placed, impossible, choice.energy)
+        placed = {piece: trial.placed for piece, trial in chosen.items()}
+        cut = not (options.may_overlap or options.rigid) and cut_apart(placed.values())
+        if cut:
+            placed = bordering(placed)
+    decision = Decision(trials, chosen, placed, impossible, choice.energy, cut)
     return assembly_of(AssemblyQuestion(template, intakes, partition, options), decision, stages)

@@ -55,7 +55,7 @@ def asked(full, monkeypatch) -> list[tuple[int, Bools]]:
     monkeypatch.setattr(
         further_trials,
         "_elsewhere",
-        lambda template, first, taken, stages: found.append((first.piece, taken)) or [],
+        lambda template, first, taken, stages: [found.append((first.piece, taken))][:0],
     )
     return found
 
@@ -91,6 +91,21 @@ def test_a_torn_piece_is_asked_without_either_place(full, asked) -> None:
     assert [piece for piece, _ in asked] == [0, 0]
     taken = {int(mask.sum()) for _, mask in asked}
     assert taken == {int(front.sum()), int(rear.sum())}
+
+
+def test_what_has_no_place_is_asked_again_in_the_gap_that_is_left(full, monkeypatch) -> None:
+    front, rear = balls(full, 1, -1)
+    asked = []
+
+    def elsewhere(template, first, taken, stages) -> list[Trial]:
+        asked.append((first.piece, taken))
+        return [trial(full, 0, rear, 0.9)] if first.piece == 0 else []
+
+    monkeypatch.setattr(further_trials, "_elsewhere", elsewhere)
+    trials = [trial(full, 0, front, 0.9), trial(full, 1, front, 0.6), trial(full, 2, front, 0.1)]
+    trials_again(full, trials, 3, Stages(visible=False))
+    # 2 is asked while 0 lies in front, and again when 0 lies behind and 1 in front
+    assert [piece for piece, _ in asked] == [1, 2, 0, 2]
 
 
 def test_parts_of_a_mask_come_largest_first_and_without_noise(full) -> None:

@@ -44,8 +44,9 @@ def trials_again(
 
     Large ones come first; what is chosen jointly of all trials so far is taken for the next piece.
     Each is tried where no other piece lies, if one lies where it would. A piece that is torn
-    between two places is tried without either. At last the pieces that have the place of one that
-    found none are tried elsewhere themselves, as both may be right only together.
+    between two places is tried without either. Then the pieces that have the place of one that
+    found none are tried elsewhere themselves, as both may be right only together. At last what has
+    no place is tried in the gap that is left, if that is not the one it was tried in before.
 
     Parameters
     ----------
@@ -69,13 +70,15 @@ def trials_again(
     for trial in trials:
         alone.setdefault(trial.piece, trial)
     by_size = sorted(alone.values(), key=lambda each: -float(areas @ each.candidate.region))
+    tried: dict[int, Bools] = {}
     for first in by_size:
         chosen = choose()
         own = chosen.pop(first.piece, None)
         if own is not None and own.chance >= SURE:
             continue
         taken = _taken(chosen.values(), len(areas))
-        if (taken & first.candidate.core).any():
+        tried[first.piece] = taken
+        if _in_the_way(taken, first):
             known += _elsewhere(template, first, taken, stages)
         for place in _torn_places(template.placed, first):
             known += _elsewhere(template, first, taken | place, stages)
@@ -85,6 +88,12 @@ def trials_again(
             chosen.pop(winner, None)
             taken = _taken(chosen.values(), len(areas)) | loser.candidate.core
             known += _elsewhere(template, alone[winner], taken, stages)
+    for first in by_size:
+        chosen = choose()
+        taken = _taken(chosen.values(), len(areas))
+        same = np.array_equal(taken, tried.get(first.piece, ~taken))
+        if first.piece not in chosen and not same and _in_the_way(taken, first):
+            known += _elsewhere(template, first, taken, stages)
     return known[len(trials) :]
 
 
@@ -94,6 +103,11 @@ def _taken(chosen: Iterable[Trial], count: int) -> Bools:
     for trial in chosen:
         taken |= trial.candidate.core
     return taken
+
+
+def _in_the_way(taken: Bools, first: Trial) -> bool:
+    """Whether something taken (n,) lies where the piece would."""
+    return bool((taken & first.candidate.core).any())
 
 
 def _elsewhere(template: Template, first: Trial, taken: Bools, stages: Stages) -> list[Trial]:
