@@ -36,9 +36,9 @@ KAPPA = 1.25
 # of five (0.52), right ones 0.25 and more, so borders and places taken must tell some apart.
 LEAST_CHANCE = 0.2
 # Price of border against the gap, in sqrt(area): a disk of 2 % of the area that touches no other
-# must be 0.6 sure, one of a tenth 0.4. Of 0 to 0.03 the lower ones chose best in four puzzles, and
-# on a cat in twelve pieces all of them the same; a foreign piece of 0.24 that lies in the open
-# but for a third of its border is refused from 0.013 on.
+# must be 0.6 sure, one of a tenth 0.4. Half as much chooses alike on cats in three and in twelve
+# pieces, but takes a foreign piece with a chance of 0.24 that lies in the open but for 0.4 of its
+# border; from 0.012 on that one is refused.
 OMEGA = 0.02
 # Nodes of the search; puzzles of a dozen pieces need some hundreds. Beyond it the best choice that
 # was found stands.
