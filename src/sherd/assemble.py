@@ -9,14 +9,14 @@ from sherd.errors import InputError
 from sherd.match import STAGES as MATCH_STAGES
 from sherd.output import Stages
 from sherd.puzzle.answers import AssemblyQuestion, Decision, assembly_of
-from sherd.puzzle.borders import bordering
+from sherd.puzzle.borders import bordering, cut_apart
+from sherd.puzzle.further_trials import trials_again
 from sherd.puzzle.joint_choice import joint_choice
 from sherd.puzzle.partition import Partition
 from sherd.puzzle.trials import (
     candidates_of,
     chosen_trials,
     rigid_trials,
-    trials_again,
     trials_alone,
 )
 from sherd.results.keywords import options_of
@@ -80,7 +80,7 @@ def assemble(
 
     Notes
     -----
-    Each piece is placed once, and once more where it clashes with others or is in doubt.
+    Each piece is placed once, and again where it clashes with others or is torn between places.
 
     References
     ----------
@@ -116,6 +116,9 @@ def assemble(
         )
         chosen = chosen_trials(trials, choice)
     with stages("borders"):
-        placed = bordering(chosen, as_they_are=options.may_overlap or options.rigid)
-    decision = Decision(trials, chosen, placed, impossible, choice.energy)
+        placed = {piece: trial.placed for piece, trial in chosen.items()}
+        cut = not (options.may_overlap or options.rigid) and cut_apart(placed.values())
+        if cut:
+            placed = bordering(placed)
+    decision = Decision(trials, chosen, placed, impossible, choice.energy, cut)
     return assembly_of(AssemblyQuestion(template, intakes, partition, options), decision, stages)

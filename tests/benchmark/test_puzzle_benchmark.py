@@ -73,11 +73,19 @@ def test_pieces_without_a_whole_are_measured_and_kept(animals, tmp_path, monkeyp
     assert len(puzzle.own) == 2
     assert len(puzzle.foreign) == 1
     answer = SimpleNamespace(
-        groups=((0, 1), (2,)), maps=_true_maps(puzzle), cycle_before=np.nan, cycle_after=np.nan
+        groups=((0, 1), (2,)),
+        pairs=[
+            SimpleNamespace(first=0, second=1, joined=True),
+            SimpleNamespace(first=0, second=2, joined=False),
+        ],
+        maps=_true_maps(puzzle),
+        cycle_before=np.nan,
+        cycle_after=np.nan,
     )
     monkeypatch.setattr(joining, "join", lambda pieces: answer)
     (row,) = joining.join_benchmark(animals, tmp_path, count=2, limit=1)
     assert row.right
+    assert (row.neighbors, row.joined, row.joined_right) == (1, 1, 1)
     assert row.error is not None
     assert row.error < 0.001
     assert row.known > 0.97
@@ -85,10 +93,21 @@ def test_pieces_without_a_whole_are_measured_and_kept(animals, tmp_path, monkeyp
     assert joining.join_benchmark(animals, tmp_path, count=2, limit=1) == [row]
     assert (tmp_path / "join.json").read_bytes() == before
     assert "groups right in 1 of 1" in joining.join_table([row])
-    answer.groups = ((0, 2), (1,))
+    answer.groups, answer.pairs[0].joined, answer.pairs[1].joined = ((0, 2), (1,)), False, True
     (row,) = joining.join_benchmark(animals, tmp_path / "other", count=2, limit=1)
     assert (row.together, row.foreign_alone, row.right) == (1, False, False)
+    assert (row.joined, row.joined_right) == (1, 0)
     assert "a foreign piece joined" in joining.join_table([row])
+
+
+def test_overlaps_of_any_width_are_cut_from_the_same_cells(animals) -> None:
+    narrow = joining.sources_of_joining(animals, 3)[0]
+    wide = joining.sources_of_joining(animals, 3, 0.4)[0]
+    assert narrow.name != wide.name
+    for one, other in zip(narrow.load().own, wide.load().own, strict=True):
+        areas = one.full.vertex_areas
+        assert areas @ (one.region & ~other.region) < 0.01 * areas @ one.region
+        assert 1.2 < areas @ other.region / (areas @ one.region) < 1.35
 
 
 def _true_maps(puzzle: Puzzle) -> dict[tuple[int, int], SimpleNamespace]:

@@ -38,6 +38,30 @@ def test_a_narrow_crack_is_closed_and_a_wide_one_stays(square) -> None:
     assert np.array_equal(wide == GAP, (x >= 0.4) & (x <= 0.6))
 
 
+def test_a_crack_between_two_pieces_is_closed_along_its_middle(square) -> None:
+    x, y = square.vertices[:, :2].T
+    partition = Partition(square)
+    labels = np.where(x < 0.475, 0, np.where(x > 0.525, 1, GAP))
+    closed = partition.without_cracks(labels, 0.06)
+    assert (closed[x < 0.495] == 0).all()
+    assert (closed[x > 0.505] == 1).all()
+    # wider, between other borders, or within one piece it is a gap
+    for width, other in ((0.03, labels), (0.06, np.where(labels == 1, 0, labels))):
+        assert np.array_equal(partition.without_cracks(other, width), other)
+    # beside a wide gap only the crack is closed, and not the corner where it ends
+    both = np.where(y < 0.5, labels, GAP)
+    closed = partition.without_cracks(both, 0.06)
+    assert (closed[y >= 0.5] == GAP).all()
+    assert (closed[y < 0.44] != GAP).all()
+
+
+def test_where_two_pieces_meet_at_a_gap_it_keeps_its_border(square) -> None:
+    x, y = square.vertices[:, :2].T
+    labels = np.where(y > 0.5, GAP, np.where(x < 0.5, 0, 1))
+    partition = Partition(square)
+    assert np.array_equal(partition.without_cracks(labels, 0.06), labels)
+
+
 def test_a_ragged_border_becomes_short(square) -> None:
     """Two rows of single vertices that stand out are given back."""
     x, y = square.vertices[:, :2].T

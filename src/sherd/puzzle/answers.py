@@ -12,6 +12,7 @@ from sherd.arrays import Floats, Ints
 from sherd.match import match_result
 from sherd.output import Stages
 from sherd.place import PlacedPart
+from sherd.puzzle.border import REACH
 from sherd.puzzle.borders import fits_of
 from sherd.puzzle.joint_choice import shared_areas
 from sherd.puzzle.partition import GAP, Partition
@@ -66,6 +67,8 @@ class Decision:
         By piece why it cannot lie on the full shape at all.
     energy
         Of the joint choice.
+    cut_apart
+        Whether the pieces meet where they were cut, so that a crack between two is none.
     """
 
     trials: Sequence[Trial]
@@ -73,6 +76,7 @@ class Decision:
     placed: Mapping[int, PlacedPart]
     impossible: Mapping[int, str]
     energy: float
+    cut_apart: bool
 
 
 def assembly_of(question: AssemblyQuestion, decision: Decision, stages: Stages) -> Assembly:
@@ -83,7 +87,10 @@ def assembly_of(question: AssemblyQuestion, decision: Decision, stages: Stages) 
     ]
     with stages("partition"):
         numbers = np.array([*placed, GAP], dtype=np.int64)
-        labels = numbers[question.partition.labels([part.best.mask for part in placed.values()])]
+        rows = question.partition.labels([part.best.mask for part in placed.values()])
+        if decision.cut_apart:
+            rows = question.partition.without_cracks(rows, REACH)
+        labels = numbers[rows]
         lift = template.intake.report.to_original
         return Assembly(
             full=template.full,

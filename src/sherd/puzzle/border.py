@@ -12,7 +12,7 @@ from sherd.arrays import Floats, Ints
 from sherd.mesh.topology import boundary_edges
 from sherd.mesh.triangle_mesh import TriangleMesh
 
-__all__ = ["Border", "BorderFit", "border_of", "facing_lengths", "nearest_borders"]
+__all__ = ["REACH", "Border", "BorderFit", "border_of", "facing_lengths", "nearest_borders"]
 
 # Borders farther apart than this are of different cuts: twice the error of a bad border.
 REACH = 0.06

@@ -7,7 +7,7 @@ itself and the nearest border of another piece, the pieces staying elastic, some
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -24,9 +24,8 @@ from sherd.correspondence.working_placement import (
 )
 from sherd.place import PlacedPart
 from sherd.puzzle.border import BorderFit, border_of, nearest_borders
-from sherd.puzzle.trials import Trial
 
-__all__ = ["bordering", "drawn_to_borders", "fits_of"]
+__all__ = ["bordering", "cut_apart", "drawn_to_borders", "fits_of"]
 
 # How firmly borders draw: below this length the elasticity decides, above it the border.
 FIRMNESS = 0.008
@@ -38,22 +37,25 @@ LEAST_GAP = -0.01
 TOGETHER = 0.005
 
 
-def bordering(chosen: Mapping[int, Trial], *, as_they_are: bool = False) -> dict[int, PlacedPart]:
-    """By piece its placement, borders drawn together where the pieces were cut from one surface.
+def cut_apart(parts: Collection[PlacedPart]) -> bool:
+    """Whether pieces that lie beside each other were cut from one surface, where they meet.
 
-    Where pieces were not cut apart but scanned, they overlap everywhere; then they stay as they
-    are. Placements that are off leave as many cracks as overlaps.
+    Where they were not cut apart but scanned, they overlap everywhere. Placements that are off
+    leave as many cracks as overlaps.
     """
-    parts = {piece: trial.placed for piece, trial in chosen.items()}
-    if as_they_are or len(parts) < 2:
-        return parts
-    questions = [part.question for part in parts.values()]
-    placements = [part.best for part in parts.values()]
-    gaps = np.concatenate([fit.gap for fit in fits_of(questions, placements)])
+    fits = fits_of([part.question for part in parts], [part.best for part in parts])
+    gaps = np.concatenate([fit.gap for fit in fits]) if fits else np.empty(0)
     gaps = gaps[np.isfinite(gaps)]
-    if not len(gaps) or gaps.mean() < LEAST_GAP:
-        return parts
-    drawn = drawn_to_borders(questions, placements, [part.queries for part in parts.values()])
+    return len(gaps) > 0 and float(gaps.mean()) >= LEAST_GAP
+
+
+def bordering(parts: Mapping[int, PlacedPart]) -> dict[int, PlacedPart]:
+    """By piece its placement with borders drawn together, of pieces that were cut apart."""
+    drawn = drawn_to_borders(
+        [part.question for part in parts.values()],
+        [part.best for part in parts.values()],
+        [part.queries for part in parts.values()],
+    )
     return {
         piece: replace(part, best=best)
         for (piece, part), best in zip(parts.items(), drawn, strict=True)

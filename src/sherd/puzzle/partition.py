@@ -80,6 +80,45 @@ class Partition:
                 break
         return np.where(labels == len(regions), GAP, labels)
 
+    def without_cracks(self, labels: Ints, width: float) -> Ints:
+        """The labels (n,) with cracks in the gap given to the nearer of the two pieces at them.
+
+        A crack is where the gap has no room for a disk as wide as `width`, and two pieces are so
+        near that a path between them is no longer than that. The slit in a single piece stays, and
+        so does the border of a gap that is wide, where two pieces meet at it.
+
+        Parameters
+        ----------
+        labels
+            As :meth:`labels` gives them.
+        width
+            At unit scale; borders of two pieces that are farther apart are of different cuts.
+        """
+        gap = labels == GAP
+        pieces = np.unique(labels[~gap])
+        if len(pieces) < 2 or not gap.any():
+            return labels
+        half = 0.5 * float(self._paths.data.mean())
+        wide = border_depth(self._paths, gap, width) > 0.5 * width
+        # what disks around the vertices deep inside cover, up to the spacing of vertices
+        wide = border_depth(self._paths, wide, width) > -(0.5 * width + half)
+        away = np.array(
+            [
+                csgraph.dijkstra(
+                    self._paths,
+                    directed=False,
+                    indices=np.flatnonzero(labels == piece),
+                    min_only=True,
+                    limit=width + 2 * half,
+                )
+                for piece in pieces
+            ]
+        )
+        # borders run half way between vertices
+        across = np.partition(away, 1, axis=0)[:2].sum(axis=0) - 2 * half
+        crack = gap & ~wide & (across <= width)
+        return np.where(crack, pieces[away.argmin(axis=0)], labels)
+
     def core(self, region: Bools, margin: float) -> Bools:
         """The vertices (n,) of a region that lie deeper inside than a margin."""
         inside: Bools = region & (border_depth(self._paths, region, 2 * margin) > margin)

@@ -1,4 +1,4 @@
-"""Trials: where each piece may lie, found for each alone and, where they clash, once more."""
+"""Trials: where each piece may lie, found for each alone, and what is asked of the joint choice."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from functools import cached_property
 
 import numpy as np
 
-from sherd.arrays import Bools, Floats
+from sherd.arrays import Floats
 from sherd.correspondence.confidence import LEAST, MOST
 from sherd.errors import InfeasibleError
 from sherd.mesh.sides import bulge
 from sherd.output import Stages
 from sherd.place import PlacedPart, placed_part
 from sherd.puzzle.border import border_of
-from sherd.puzzle.joint_choice import Candidate, Choice, joint_choice, shared_areas
+from sherd.puzzle.joint_choice import Candidate, Choice, shared_areas
 from sherd.puzzle.partition import Partition
 from sherd.puzzle.rigid import RigidMotion, rigidly_placed
 from sherd.results.advice import SURE
@@ -25,14 +25,15 @@ from sherd.scan.intake import Intake
 from sherd.surface.template import Template
 
 __all__ = [
+    "SCORE_SCALE",
     "Trial",
     "candidates_of",
     "chosen_trials",
     "clashes",
     "rigid_trials",
     "trial_chance",
-    "trials_again",
     "trials_alone",
+    "trials_of",
 ]
 
 # Regions are claimed surely but for a strip of two vertex spacings along the border.
@@ -102,60 +103,8 @@ def trials_alone(
         except InfeasibleError as error:
             refused[piece] = str(error)
         else:
-            found += _as_trials(piece, placed, partition)
+            found += trials_of(piece, placed, partition)
     return found, refused
-
-
-def trials_again(
-    template: Template,
-    trials: Sequence[Trial],
-    count: int,
-    stages: Stages,
-    *,
-    may_overlap: bool = False,
-) -> list[Trial]:
-    """Further trials of the pieces that lose their places or are in doubt, where no other lies.
-
-    Large ones come first; what is chosen jointly of all trials so far is taken for the next piece.
-
-    Parameters
-    ----------
-    template, stages
-        As in :func:`trials_alone`.
-    trials
-        What that found.
-    count
-        Number of pieces.
-    may_overlap
-        As in :func:`sherd.puzzle.joint_choice.joint_choice`.
-    """
-    areas = template.placed.vertex_areas
-    known = list(trials)
-    alone: dict[int, Trial] = {}
-    for trial in trials:
-        alone.setdefault(trial.piece, trial)
-    for first in sorted(alone.values(), key=lambda each: -float(areas @ each.candidate.region)):
-        choice = joint_choice(candidates_of(known, count), areas, may_overlap=may_overlap)
-        chosen = chosen_trials(known, choice)
-        own = chosen.pop(first.piece, None)
-        if own is not None and own.chance >= SURE:
-            continue
-        taken: Bools = np.zeros(len(areas), dtype=bool)
-        for other in chosen.values():
-            taken |= other.candidate.core
-        if not taken.any() or taken.all():
-            continue
-        old = first.placed
-        free = _on_mesh(template, ~taken)
-        placed = placed_part(template, old.part, old.options, stages, free=free, twin=False)
-        # what fits much worse than where the piece lies alone is no place for it
-        loss = min(placed.best.score - old.best.score, 0.0)
-        less = float(np.exp(loss / SCORE_SCALE))
-        known += [
-            replace(trial, chance=less * trial.chance)
-            for trial in _as_trials(first.piece, placed, first.partition)
-        ]
-    return known[len(trials) :]
 
 
 def candidates_of(trials: Sequence[Trial], count: int) -> list[list[Candidate]]:
@@ -225,7 +174,7 @@ def rigid_trials(trials: Sequence[Trial], tolerance: float) -> list[Trial]:
     return found
 
 
-def _as_trials(piece: int, placed: PlacedPart, partition: Partition) -> list[Trial]:
+def trials_of(piece: int, placed: PlacedPart, partition: Partition) -> list[Trial]:
     """The placement, and the other one if it is another place."""
     chance = trial_chance(placed.chance, placed.best.score)
     found = [Trial(piece, placed, partition, chance)]
@@ -236,11 +185,3 @@ def _as_trials(piece: int, placed: PlacedPart, partition: Partition) -> list[Tri
         swapped = replace(placed, best=other, other=best)
         found.append(Trial(piece, swapped, partition, chance * less))
     return found
-
-
-def _on_mesh(template: Template, free: Bools) -> Bools:
-    """A mask of the full shape itself (n,) at the vertices of its working mesh."""
-    if template.own_vertices is None and template.mesh.vertex_count == len(free):
-        return free
-    nearest = template.own_finder.closest(template.mesh.vertices, template.mesh.vertex_normals)
-    return free[nearest.nearest_vertices(template.placed)]

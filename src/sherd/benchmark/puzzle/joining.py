@@ -11,16 +11,27 @@ import numpy as np
 
 from sherd.arrays import Floats
 from sherd.benchmark.metrics import evenly_spread
-from sherd.benchmark.puzzle.sources import OVERLAPPING_FOREIGN, Puzzle, PuzzleSource, puzzle_sources
+from sherd.benchmark.puzzle.measurement import BAD
+from sherd.benchmark.puzzle.sources import (
+    OVERLAP,
+    OVERLAPPING_FOREIGN,
+    Puzzle,
+    PuzzleSource,
+    puzzle_sources,
+)
 from sherd.benchmark.runner import measured_and_kept
 from sherd.join import join
-from sherd.limits import require_whole
+from sherd.limits import require_finite, require_whole
 from sherd.mesh.surface_points import SurfacePoints, closest_points
+from sherd.puzzle.joint_choice import shared_areas
 from sherd.results.puzzle.joined import Joined
 from sherd.shapes.fragment import Fragment
 from sherd.spectral.surface_distances import SurfaceDistances
 
 __all__ = ["JoinRow", "join_benchmark", "join_table", "sources_of_joining"]
+
+# Two pieces are neighbors if they share so much of the smaller one.
+LEAST_SHARED = 0.01
 
 
 @dataclass(frozen=True)
@@ -34,6 +45,9 @@ class JoinRow:
     own, together, foreign_alone
         How many pieces are of one thing, how many of these ended up in one group, and whether the
         group has no other piece.
+    neighbors, joined, joined_right
+        How many pairs truly share more than a hundredth of the smaller piece, how many pairs were
+        joined, and how many of these are neighbors and laid on each other with an error below BAD.
     error
         Mean over all maps between own pieces, of vertices that are given a point: distance from
         the true one in sqrt(area) of the whole; None without maps.
@@ -49,6 +63,9 @@ class JoinRow:
     own: int
     together: int
     foreign_alone: bool
+    neighbors: int
+    joined: int
+    joined_right: int
     error: float | None
     known: float
     cycle_before: float | None
@@ -61,8 +78,10 @@ class JoinRow:
         return self.together == self.own and self.foreign_alone
 
 
-def sources_of_joining(directory: Path, count: int) -> list[PuzzleSource]:
+def sources_of_joining(directory: Path, count: int, overlap: float = OVERLAP) -> list[PuzzleSource]:
     """Two puzzles of each shape; the second is cut from elsewhere and in other poses.
+
+    For all overlaps cells and poses are the same.
 
     Raises
     ------
@@ -71,7 +90,7 @@ def sources_of_joining(directory: Path, count: int) -> list[PuzzleSource]:
     """
     shapes = {source.path: source for source in puzzle_sources(directory) if source.others}
     return [
-        PuzzleSource(path, source.others, kind, count)
+        PuzzleSource(path, source.others, kind, count, overlap=overlap)
         for kind in (OVERLAPPING_FOREIGN, f"{OVERLAPPING_FOREIGN}, again")
         for path, source in sorted(shapes.items())
     ]
@@ -82,10 +101,11 @@ def join_benchmark(
     output: Path,
     *,
     count: int = 6,
+    overlap: float = OVERLAP,
     limit: int | None = None,
     jobs: int = 1,
 ) -> list[JoinRow]:
-    """Join the pieces of animated shapes, which overlap by a tenth, and one of another shape.
+    """Join the pieces of animated shapes, which overlap, and one of another shape.
 
     Writes ``join.json`` after every puzzle, and goes on where an interrupted run stopped.
 
@@ -97,6 +117,8 @@ def join_benchmark(
         Folder.
     count
         Of pieces.
+    overlap
+        Share of its area that each piece reaches beyond its cell.
     limit
         How many puzzles; two of each shape if not given.
     jobs
@@ -112,9 +134,10 @@ def join_benchmark(
         If the result cannot be written.
     """
     require_whole("pieces", count, 2, 12, "more pieces hardly overlap")
+    require_finite("overlap", overlap, 0.01, 0.99, "pieces are joined where they overlap")
     if limit is not None:
         require_whole("puzzles", limit, 1, 10**6, "no folder has more puzzles")
-    sources = sources_of_joining(directory, count)
+    sources = sources_of_joining(directory, count, overlap)
     return measured_and_kept(
         sources[:limit],
         _measured,
@@ -129,19 +152,28 @@ def join_benchmark(
 def join_table(rows: Sequence[JoinRow]) -> str:
     """The rows and their means as text."""
     width = max([len(row.puzzle) for row in rows], default=6) + 2
-    lines = [f"{'puzzle':<{width}}{'groups':>8}{'error':>7}{'known':>7}{'loops':>14}{'s':>6}"]
+    head = f"{'groups':>8}{'pairs':>14}{'error':>7}{'known':>7}{'loops':>14}{'s':>6}"
+    lines = [f"{'puzzle':<{width}}{head}"]
     for row in rows:
         groups = "right" if row.right else f"{row.together} of {row.own}"
         loops = f"{_shown(row.cycle_before)} to {_shown(row.cycle_after)}"
         lines.append(
-            f"{row.puzzle:<{width}}{groups:>8}{_shown(row.error):>7}{row.known:>7.2f}{loops:>14}"
-            f"{row.seconds:>6.0f}" + ("" if row.foreign_alone else "  a foreign piece joined")
+            f"{row.puzzle:<{width}}{groups:>8}{_pair_words([row]):>14}{_shown(row.error):>7}"
+            f"{row.known:>7.2f}{loops:>14}{row.seconds:>6.0f}"
+            + ("" if row.foreign_alone else "  a foreign piece joined")
         )
     errors = [row.error for row in rows if row.error is not None]
     mean = _shown(float(np.mean(errors)) if errors else None)
     right = sum(row.right for row in rows)
-    lines.append(f"groups right in {right} of {len(rows)}, mean error {mean}")
+    total = f"groups right in {right} of {len(rows)}, pairs joined {_pair_words(rows)}"
+    lines.append(f"{total}, mean error {mean}")
     return "\n".join(lines)
+
+
+def _pair_words(rows: Sequence[JoinRow]) -> str:
+    """Of so many neighbors so many joined rightly, and how many pairs wrongly."""
+    right, joined = sum(row.joined_right for row in rows), sum(row.joined for row in rows)
+    return f"{right} of {sum(row.neighbors for row in rows)}, {joined - right} wrong"
 
 
 def _shown(value: float | None) -> str:
@@ -156,12 +188,23 @@ def _measured(source: PuzzleSource) -> JoinRow:
     own = set(range(len(puzzle.own)))
     most = max(answer.groups, key=lambda group: len(own & set(group)))
     errors, known = _errors(puzzle, answer)
+    neighbors = _neighbors(puzzle)
+    joined = [(pair.first, pair.second) for pair in answer.pairs if pair.joined]
+    right = [
+        (one, other)
+        for one, other in joined
+        if (one, other) in neighbors
+        and all(errors[way].mean() < BAD for way in ((one, other), (other, one)) if way in errors)
+    ]
     return JoinRow(
         puzzle=source.name,
         own=len(own),
         together=len(own & set(most)),
         foreign_alone=set(most) <= own,
-        error=float(errors.mean()) if len(errors) else None,
+        neighbors=len(neighbors),
+        joined=len(joined),
+        joined_right=len(right),
+        error=float(np.concatenate([*errors.values()]).mean()) if errors else None,
         known=known,
         cycle_before=_number(answer.cycle_before),
         cycle_after=_number(answer.cycle_after),
@@ -169,14 +212,27 @@ def _measured(source: PuzzleSource) -> JoinRow:
     )
 
 
+def _neighbors(puzzle: Puzzle) -> set[tuple[int, int]]:
+    """The pairs of own pieces that share something."""
+    areas = puzzle.full.vertex_areas
+    shared = shared_areas([piece.region for piece in puzzle.own], areas)
+    own = np.diag(shared)
+    first, second = np.nonzero(np.triu(shared > LEAST_SHARED * np.minimum.outer(own, own), 1))
+    return set(zip(first.tolist(), second.tolist(), strict=True))
+
+
 def _number(value: float) -> float | None:
     return None if np.isnan(value) else value
 
 
-def _errors(puzzle: Puzzle, answer: Joined) -> tuple[Floats, float]:
-    """Errors of all vertices that are given a point, and the share of shared ones that are."""
+def _errors(puzzle: Puzzle, answer: Joined) -> tuple[dict[tuple[int, int], Floats], float]:
+    """Errors of all vertices that are given a point by (here, there), where there are any.
+
+    And the share of the shared vertices that are given one.
+    """
     distances = SurfaceDistances(puzzle.full)
-    found, given, shared = [], 0, 0
+    found: dict[tuple[int, int], Floats] = {}
+    given, shared = 0, 0
     for here, piece in enumerate(puzzle.own):
         for there, other in enumerate(puzzle.own):
             if here == there:
@@ -191,8 +247,8 @@ def _errors(puzzle: Puzzle, answer: Joined) -> tuple[Floats, float]:
             rows = rows[evenly_spread(len(rows))]
             if len(rows):
                 on_full = _on_full(puzzle, other, place.points[rows])
-                found.append(distances.between(piece.truth[rows], on_full))
-    return np.concatenate(found) if found else np.empty(0), given / max(shared, 1)
+                found[here, there] = distances.between(piece.truth[rows], on_full)
+    return found, given / max(shared, 1)
 
 
 def _on_full(puzzle: Puzzle, piece: Fragment, points: SurfacePoints) -> SurfacePoints:

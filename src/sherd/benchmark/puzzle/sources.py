@@ -22,6 +22,7 @@ from sherd.spectral.sampling import decimate
 __all__ = [
     "COUNTS",
     "KINDS",
+    "OVERLAP",
     "OVERLAPPING_FOREIGN",
     "Puzzle",
     "PuzzleSource",
@@ -91,6 +92,8 @@ class PuzzleSource:
         Into how many pieces the whole is cut.
     individual
         Whether foreign pieces are of another individual of the same kind.
+    overlap
+        Share of its area that each piece reaches beyond its cell, if the kind overlaps.
     """
 
     path: Path
@@ -98,10 +101,16 @@ class PuzzleSource:
     kind: str
     count: int
     individual: bool = False
+    overlap: float = OVERLAP
 
     @property
     def name(self) -> str:
         """Unique within a run."""
+        return self._cut_as if self.overlap == OVERLAP else f"{self._cut_as} by {self.overlap:g}"
+
+    @property
+    def _cut_as(self) -> str:
+        """What the choice of places and poses follows from: the same for all overlaps."""
         who = ", same kind" if self.individual else ""
         return f"{shape_name(self.path)} {self.count} {self.kind}{who}"
 
@@ -118,12 +127,12 @@ class PuzzleSource:
         MeshFileError
             If a file is missing or damaged.
         """
-        rng = np.random.default_rng(seed_of(self.name, 0))
+        rng = np.random.default_rng(seed_of(self._cut_as, 0))
         poses = animated_shapes(self.path)
         full = poses[0]
         order = 1 + rng.permutation(len(poses) - 1)
         posed = [poses[order[k % len(order)]] for k in range(self.count)]
-        overlap = OVERLAP if "overlapping" in self.kind else 0.0
+        overlap = self.overlap if "overlapping" in self.kind else 0.0
         start = int(rng.integers(full.vertex_count))
         cut = puzzle_pieces(full, posed, start=start, overlap=overlap)
         labels = _cells(cut, full)

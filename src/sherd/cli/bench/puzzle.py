@@ -8,6 +8,7 @@ import click
 
 from sherd.benchmark.puzzle.benchmark import puzzle_benchmark, puzzle_table
 from sherd.benchmark.puzzle.joining import join_benchmark, join_table
+from sherd.benchmark.puzzle.sources import OVERLAP
 
 __all__ = ["join_command", "puzzle_command"]
 
@@ -62,19 +63,29 @@ def puzzle_command(
 @click.command("join")
 @click.argument("directory", type=click.Path(path_type=Path))
 @click.option("--pieces", "count", type=int, default=6, show_default=True, help="Of each whole.")
+@click.option(
+    "--overlap",
+    type=float,
+    default=OVERLAP,
+    show_default=True,
+    help="Share of its area that each piece reaches beyond its cell.",
+)
 @click.option("--puzzles", "limit", type=int, help="First puzzles only; two of each shape if none.")
 @click.option("--jobs", type=int, default=1, show_default=True, help="Processes.")
 @click.option("-o", "--output", type=click.Path(path_type=Path), required=True, help="Folder.")
-def join_command(directory: Path, *, count: int, limit: int | None, jobs: int, output: Path) -> int:
+def join_command(
+    directory: Path, *, count: int, overlap: float, limit: int | None, jobs: int, output: Path
+) -> int:
     """Join overlapping pieces of animated shapes and a foreign one, without a whole.
 
     DIRECTORY holds an .npz file or a folder of meshes for each shape, two at least. Each piece has
-    a pose of its own and shares a tenth with its neighbors; one more is of another shape. Writes
-    join.json; goes on where an interrupted run stopped.
+    a pose of its own and shares some of its area with its neighbors; one more is of another shape.
+    Writes join.json; goes on where an interrupted run stopped.
 
     \b
     Example:
-      sherd bench join tosca_poses/ -o bench/
+      sherd bench join tosca_poses/ --overlap 0.3 -o bench/
     """  # noqa: D301
-    click.echo(join_table(join_benchmark(directory, output, count=count, limit=limit, jobs=jobs)))
+    rows = join_benchmark(directory, output, count=count, overlap=overlap, limit=limit, jobs=jobs)
+    click.echo(join_table(rows))
     return 0
