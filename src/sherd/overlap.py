@@ -11,7 +11,7 @@ import numpy as np
 
 from sherd.arrays import Ints
 from sherd.correspondence.labels.labeling import SAME_SCALE, UNKNOWN_SCALE, Problem
-from sherd.correspondence.labels.two_way import two_way_labelings
+from sherd.correspondence.labels.two_way import Both, two_way_labelings
 from sherd.correspondence.placements import anchor_problem
 from sherd.correspondence.plausibility import mirrored_energy_ratio
 from sherd.correspondence.question import Question
@@ -37,7 +37,7 @@ from sherd.correspondence.shared.judgment import (
     strain_curve,
     unfollowed_pairs,
 )
-from sherd.correspondence.shared.two_way_placement import Both, SharedPlacement, placed_together
+from sherd.correspondence.shared.two_way_placement import SharedPlacement, placed_together
 from sherd.correspondence.working_placement import Queries, part_queries
 from sherd.errors import InfeasibleError
 from sherd.mesh.sizes import SMALLEST_PART, check_areas

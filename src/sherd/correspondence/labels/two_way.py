@@ -1,14 +1,12 @@
 """Two incomplete shapes labeled there and back, each node with a label or nowhere.
 
-Each direction is labeled alone first, as if the other shape were full: what both have then mostly
-lies where it belongs, and what only one has lies anywhere. Then both are labeled again, with
-nowhere as a label and with what the other direction says among the candidates.
-
-Often only one direction is right: a piece that lies within the other shape finds its place, while
-the other shape, most of which the piece lacks, lies anywhere and drags along what would have a
-place. The wrong direction is consistent with itself and does not follow. So there are three starts:
-both directions as each found them, and each of them with the other as its inverse. After a round
-the one is kept whose nodes save most against chance, in both directions together.
+Each direction is labeled alone first, once as if the other shape were full and once with nowhere
+as a label. What both shapes have then often lies right in one direction only: a piece that lies
+within the other shape finds its place, while the other shape, most of which the piece lacks, lies
+anywhere, consistent with itself, and does not follow. So there are four starts: either direction,
+labeled either way, leads, and its inverse is the start of the other. Then both are labeled again,
+each with what the other says among its candidates. After a round the start is kept whose nodes
+save most against chance, in both directions together, and goes on.
 
 Nowhere costs two thirds of what a node costs where nothing belongs together: the nodes are given
 each other's similarities, which leaves shapes, cuts and likeness what they are and only mixes up
@@ -18,6 +16,7 @@ what looks like what, and labeled once.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import TypeAlias, TypeVar
 
 import numpy as np
 
@@ -27,12 +26,13 @@ from sherd.correspondence.labels.anchors import (
     chance_energy,
     find_anchors,
     first_labeling,
+    proposed_anchors,
 )
 from sherd.correspondence.labels.consistent import consistent_nodes, node_areas, node_costs
 from sherd.correspondence.labels.inverse import closing_nodes, inverse_labeling, inverse_labels
 from sherd.correspondence.labels.labeling import NOWHERE_COST, Labeling, Problem, solve
 
-__all__ = ["TwoLabelings", "two_way_labelings"]
+__all__ = ["Both", "TwoLabelings", "two_way_labelings"]
 
 # With their true labels nodes of one animal cost a fifth of chance on average, those of animals of
 # other species 0.35 to 0.8 (four pairs of SMAL): at half of it half of these went nowhere.
@@ -41,6 +41,9 @@ PRICE_SHARE = 0.65
 ROUNDS = 3
 # What a node that counts as evidence may cost, as a share of chance: half of the price.
 WORTH_SHARE = 0.35
+
+Kind = TypeVar("Kind")
+Both: TypeAlias = tuple[Kind, Kind]
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,7 +71,7 @@ class TwoLabelings:
     backward: Labeling
     forward_agrees: Bools
     backward_agrees: Bools
-    chance: tuple[float, float]
+    chance: Both[float]
     agreement: float
     first_ratio: float
 
@@ -77,9 +80,9 @@ class TwoLabelings:
 class _Agreed:
     """Both labelings after a round, placed where `agrees`; `placed` before, and what it saves."""
 
-    found: tuple[Labeling, Labeling]
-    agrees: tuple[Bools, Bools]
-    placed: tuple[int, int]
+    found: Both[Labeling]
+    agrees: Both[Bools]
+    placed: Both[int]
     saved: float
 
 
@@ -99,24 +102,49 @@ def two_way_labelings(
     chance = (chance_energy(forward, rngs[0]), chance_energy(backward, rngs[1]))
     start = (first_labeling(forward), first_labeling(backward))
     ratios = [one.energy / max(energy, 1e-12) for one, energy in zip(start, chance, strict=True)]
-    one, other = (find_anchors(forward, start=start[0]), find_anchors(backward, start=start[1]))
-    starts = (
-        (one, other),
-        (one, inverse_labeling(backward, one)),
-        (inverse_labeling(forward, other), other),
-    )
+    starts = [*_alone(problems, start), *_sparing(problems, chance)]
     tried = [_agreed(problems, chance, begun) for begun in starts]
-    best = max(tried, key=lambda each: each.saved)
+    # where none saves anything, swapping the shapes must still swap what is chosen
+    best = max(tried, key=lambda each: (each.saved, -each.found[0].energy - each.found[1].energy))
     for _ in range(ROUNDS - 1):
         best = _agreed(problems, chance, best.found)
     agreement = _agreement(best)
     return TwoLabelings(*best.found, *best.agrees, chance, agreement, min(ratios))
 
 
+def _alone(problems: Both[Problem], start: Both[Labeling]) -> list[Both[Labeling]]:
+    """Starts from each direction labeled as if the other shape were full."""
+    one, other = (
+        find_anchors(problem, start=each) for problem, each in zip(problems, start, strict=True)
+    )
+    return _led(problems, one, other)
+
+
+def _sparing(problems: Both[Problem], chance: Both[float]) -> list[Both[Labeling]]:
+    """Starts from each direction labeled with nowhere from the beginning.
+
+    Nodes that the other shape lacks then neither say where others lie nor take their places.
+    """
+    one, other = (
+        proposed_anchors(priced, first_labeling(priced))
+        for priced in (
+            replace(problem, price=PRICE_SHARE * energy)
+            for problem, energy in zip(problems, chance, strict=True)
+        )
+    )
+    return _led(problems, one, other)
+
+
+def _led(problems: Both[Problem], one: Labeling, other: Labeling) -> list[Both[Labeling]]:
+    """Each direction with its inverse as the other."""
+    forward, backward = problems
+    return [(one, inverse_labeling(backward, one)), (inverse_labeling(forward, other), other)]
+
+
 def _agreed(
-    problems: tuple[Problem, Problem],
-    chance: tuple[float, float],
-    start: tuple[Labeling, Labeling],
+    problems: Both[Problem],
+    chance: Both[float],
+    start: Both[Labeling],
 ) -> _Agreed:
     """One round: both labeled again, each hearing of the other, and what can be true together."""
     found = (

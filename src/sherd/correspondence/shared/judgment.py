@@ -7,9 +7,10 @@ from scipy.spatial import cKDTree
 
 from sherd.arrays import Floats, Ints
 from sherd.correspondence.confidence import LEAST, MOST, confidences
+from sherd.correspondence.labels.two_way import Both
 from sherd.correspondence.question import Question
 from sherd.correspondence.shared.region_cut import shared_region
-from sherd.correspondence.shared.two_way_placement import Both, SharedPlacement, sharing_cost
+from sherd.correspondence.shared.two_way_placement import SharedPlacement, sharing_cost
 from sherd.correspondence.unfollowed import FOLLOWED
 from sherd.correspondence.working_placement import Queries
 from sherd.mesh.surface_points import SurfacePoints
