@@ -11,7 +11,7 @@ import numpy as np
 
 from sherd.arrays import Ints
 from sherd.correspondence.labels.labeling import SAME_SCALE, UNKNOWN_SCALE, Problem
-from sherd.correspondence.labels.two_way import two_way_labelings
+from sherd.correspondence.labels.two_way import Both, two_way_labelings
 from sherd.correspondence.placements import anchor_problem
 from sherd.correspondence.plausibility import mirrored_energy_ratio
 from sherd.correspondence.question import Question
@@ -37,7 +37,7 @@ from sherd.correspondence.shared.judgment import (
     strain_curve,
     unfollowed_pairs,
 )
-from sherd.correspondence.shared.two_way_placement import Both, SharedPlacement, placed_together
+from sherd.correspondence.shared.two_way_placement import SharedPlacement, placed_together
 from sherd.correspondence.working_placement import Queries, part_queries
 from sherd.errors import InfeasibleError
 from sherd.mesh.sizes import SMALLEST_PART, check_areas
@@ -67,6 +67,9 @@ STAGES = ("first shape", "second shape", "scale", "labels", "placement", "region
 
 # A vertex that lies between those of the working mesh is shared if half of it is.
 HALF = 0.5
+# Lengths of limbs of different animals differ by a fifth and more, those of one animal by a tenth.
+# On pairs of cuts of one animal in two poses labels are as good with either.
+STRETCH = 0.2
 
 
 def overlap(
@@ -161,6 +164,7 @@ def shared_by(
     """What two described shapes share: the second half of the method; see :func:`overlap`."""
     intakes = (shapes[0].intake, shapes[1].intake)
     landmarks = landmarks_on(*shapes, options)
+    questions = (questions[0].with_stretch(STRETCH), questions[1].with_stretch(STRETCH))
     mirrored_ratio = begun(partial(mirrored_energy_ratio, questions, options.seed))
     with stages("labels"):
         problems = _problems(questions, options.seed)

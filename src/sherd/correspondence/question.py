@@ -68,3 +68,7 @@ class Question:
     def with_part(self, part: DescribedSurface) -> Question:
         """The same question about another part, such as the mirror image."""
         return replace(self, part=part)
+
+    def with_stretch(self, stretch: float) -> Question:
+        """The same question, where a length may be off by this share of itself."""
+        return replace(self, comparison=self.comparison._replace(stretch_sigma=stretch))

@@ -29,6 +29,7 @@ __all__ = [
     "first_labeling",
     "grown",
     "proposed_anchors",
+    "turned_by_guides",
 ]
 
 
@@ -165,6 +166,16 @@ def grown(
     for _ in range(2):
         result = solve(problem, *_local_candidates(problem, result), step=step)
     return result
+
+
+def turned_by_guides(problem: Problem, labeling: Labeling) -> Labeling:
+    """The same labels with the rotations that the neighbors of each node agree on."""
+    labels, nodes = labeling.labels, np.arange(len(labeling.labels))
+    guides = _guides(problem, labeling, TURNING_GUIDES)
+    part, full = problem.part_geometry, problem.full_geometry
+    state = State(labels, labeling.rotations)
+    turns = guided_turns(nodes, guides, labels[:, None], part, full, state)[:, 0]
+    return replace(labeling, rotations=np.where(guides[:, 0] < 0, labeling.rotations, turns))
 
 
 def _at(turn: Floats, labels: Ints) -> Floats:

@@ -24,7 +24,7 @@ from sherd.correspondence.labels.labeling import (
     unary_cost,
 )
 
-__all__ = ["consistent_nodes", "node_costs"]
+__all__ = ["consistent_nodes", "node_areas", "node_costs"]
 
 # Lengths in conflict differ by more than two sigma, where a limit says "wrong" and not more.
 SIGMAS = 2.0
@@ -72,7 +72,7 @@ def consistent_nodes(
     both = tuple(zip(problems, labelings, strict=True))
     costs = np.concatenate([node_costs(*each) for each in both])
     price = np.repeat(prices, [len(problem.nodes) for problem in problems])
-    areas = np.concatenate([_areas(problem) for problem in problems])
+    areas = np.concatenate([node_areas(problem) for problem in problems])
     worth = areas * (np.maximum(1.0 - costs / price, 0) + LEAST_WORTH)
     on_first, on_second = _lengths(problems, labelings)
     shorter = np.minimum(on_first, on_second)
@@ -127,7 +127,8 @@ def _as_good_as_best(groups: Ints, costs: Floats, worth: Floats, areas: Floats) 
     return good
 
 
-def _areas(problem: Problem) -> Floats:
+def node_areas(problem: Problem) -> Floats:
+    """Area (k,) of the part that is nearest to each node."""
     part = problem.question.part
     cells, areas = part.sparse.cells, part.mesh.vertex_areas
     result: Floats = np.bincount(cells, areas, minlength=len(part.sparse)).astype(np.float64)

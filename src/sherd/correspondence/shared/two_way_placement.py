@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TypeAlias, TypeVar
 
 import numpy as np
 
 from sherd.arrays import Bools, Floats
 from sherd.correspondence.elastic_kernel import fit_rotations
 from sherd.correspondence.labels.labeling import Labeling
-from sherd.correspondence.labels.two_way import TwoLabelings
+from sherd.correspondence.labels.two_way import Both, TwoLabelings
 from sherd.correspondence.question import Question
 from sherd.correspondence.registration import (
     Deformation,
@@ -46,9 +45,6 @@ PLACE_ROUNDS, TOGETHER_ROUNDS = 12, 4
 MOST_COST = 2.0
 # Strain is averaged over so many rings of neighbors, the width of a crease.
 RINGS = 3
-
-Kind = TypeVar("Kind")
-Both: TypeAlias = tuple[Kind, Kind]
 
 
 @dataclass(frozen=True, eq=False)
