@@ -26,6 +26,7 @@ from sherd.results.puzzle.assembly import Assembly
 from sherd.scan.intake import MeshSource, ScanSource, scan_intake
 from sherd.surface.prepared import as_template
 from sherd.surface.template import Template
+from sherd.threads import one_blas_thread
 
 __all__ = ["STAGES", "assemble"]
 
@@ -33,6 +34,7 @@ __all__ = ["STAGES", "assemble"]
 STAGES = (*MATCH_STAGES, "joint choice", "borders", "partition")
 
 
+@one_blas_thread()  # or sums over 10,000 vertices would depend on how many there are
 def assemble(
     full: MeshSource | Template,
     pieces: Sequence[ScanSource],

@@ -51,7 +51,7 @@ from sherd.results.status import Status
 from sherd.scan.intake import ScanSource, scan_intake
 from sherd.surface.described import DescribedSurface
 from sherd.surface.prepared import described_part
-from sherd.threads import begun
+from sherd.threads import begun, one_blas_thread
 
 __all__ = [
     "STAGES",
@@ -72,6 +72,7 @@ HALF = 0.5
 STRETCH = 0.2
 
 
+@one_blas_thread()  # or sums over 10,000 vertices would depend on how many there are
 def overlap(
     first: ScanSource,
     second: ScanSource,
@@ -151,6 +152,7 @@ def overlap(
     return shared_by(shapes, surfaces, questions, options, stages, scale=scale, estimate=estimate)
 
 
+@one_blas_thread()
 def shared_by(
     shapes: Both[KeptShape],
     surfaces: Both[DescribedSurface],
