@@ -10,6 +10,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
+from playwright import sync_api
 
 ROOT = Path(__file__).parents[2]
 NPM = shutil.which("npm")
@@ -28,7 +29,6 @@ FLAGS = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader
 @pytest.fixture(scope="session")
 def launched():
     """`launched(flags)`: a browser that ends with the tests."""
-    sync_api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
     if CHROMIUM is None:
         pytest.skip("no Chromium in the path; the page is not tested (apt install chromium)")
     with sync_api.sync_playwright() as playwright:

@@ -58,18 +58,17 @@ def best_match(
     OptionError
         If a landmark or ignored vertex does not exist, or landmarks are given for several shapes.
     """
-    if fit_scale and len(fulls) == 1:
-        return Chosen(fulls[0], match_with_fitted_scale(loaded_template(fulls[0]), part, options))
-    chosen = _chosen(fulls, part, options)
+    if len(fulls) == 1:
+        ask = match_with_fitted_scale if fit_scale else match
+        return Chosen(fulls[0], ask(loaded_template(fulls[0]), part, options))
+    chosen = _identified(fulls, part, options)
     if not fit_scale:
         return chosen
     template = loaded_template(chosen.full)
     return replace(chosen, match=at_fitted_scale(chosen.match, template, part, options))
 
 
-def _chosen(fulls: Sequence[FullShape], part: Intake, options: MatchOptions) -> Chosen:
-    if len(fulls) == 1:
-        return Chosen(fulls[0], match(loaded_template(fulls[0]), part, options))
+def _identified(fulls: Sequence[FullShape], part: Intake, options: MatchOptions) -> Chosen:
     if len(options.landmarks):
         raise OptionError(
             "landmarks name vertices of one full shape; say which one the part belongs to (column "

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from sherd.arrays import Floats
+from sherd.arrays import Bools, Floats
 from sherd.benchmark.datasets.pairs import seed_of
 from sherd.benchmark.runner import measured_and_kept
 from sherd.errors import MeshFileError
@@ -27,10 +27,11 @@ from sherd.shapes.rotation import rotated
 from sherd.surface.template import Template
 
 __all__ = [
-    "THERE",
     "SkullRow",
     "half_of_skull",
     "median_rows",
+    "motion_of",
+    "on_skull",
     "read_skull",
     "skull_benchmark",
     "skull_summary",
@@ -205,15 +206,14 @@ def _measured(case: SkullCase) -> SkullRow:
     if case.kind == "half":
         mesh = half_of_skull(mesh, rng)
     result = match_with_fitted_scale(template, rotated(mesh, rng))
-    turn, shift = _motion(result.part.vertices, mesh.vertices)
+    turn, shift = motion_of(result.part.vertices, mesh.vertices)
     carried = carry_landmarks(result, attached(landmarks, template.full))
     moved = Landmarks(carried.landmarks.names, carried.landmarks.positions @ turn + shift)
     carried = CarriedLandmarks(
         carried.specimen, carried.templates, moved, carried.confidence, carried.status,
         carried.spread,
     )  # fmt: skip
-    feet = closest_points(mesh, truth.positions).positions(mesh)
-    there = np.linalg.norm(feet - truth.positions, axis=1) < THERE
+    there = on_skull(mesh, truth.positions)
     return _row(
         case, carried, truth, there.tolist(), result.status.name, result.chance, result.scale
     )
@@ -268,6 +268,13 @@ def _carried(row: SkullRow, truth: Landmarks) -> CarriedLandmarks:
     )
 
 
+def on_skull(mesh: TriangleMesh, positions: Floats) -> Bools:
+    """Which positions (p, 3) lie on a skull; a hand sets landmarks up to `THERE` off it."""
+    feet = closest_points(mesh, positions).positions(mesh)
+    near: Bools = np.linalg.norm(feet - positions, axis=1) < THERE
+    return near
+
+
 def half_of_skull(mesh: TriangleMesh, rng: np.random.Generator) -> TriangleMesh:
     """What lies on one side of a random plane through the middle of the surface."""
     height = mesh.vertices @ rng.normal(size=3)
@@ -276,7 +283,7 @@ def half_of_skull(mesh: TriangleMesh, rng: np.random.Generator) -> TriangleMesh:
     return half
 
 
-def _motion(moved: Floats, original: Floats) -> tuple[Floats, Floats]:
+def motion_of(moved: Floats, original: Floats) -> tuple[Floats, Floats]:
     """Rotation and shift with `moved @ rotation + shift = original`, known to be a motion."""
     one, other = moved.mean(axis=0), original.mean(axis=0)
     left, _, right = np.linalg.svd((moved - one).T @ (original - other))

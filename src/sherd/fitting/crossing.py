@@ -9,7 +9,7 @@ import numpy as np
 
 from sherd.arrays import Bools, Floats, Ints
 from sherd.fitting.as_rigid_as_possible import Elasticity, closest_rotations
-from sherd.fitting.deformation import Deformation, without_data
+from sherd.fitting.deformation import Deformation, with_rings, without_data
 from sherd.fitting.self_intersection import intersecting_faces, intersecting_pairs
 from sherd.mesh.geometry import closest_rotation, face_areas, face_normals
 from sherd.mesh.topology import component_labels
@@ -86,12 +86,9 @@ def _released(
     elasticity: Elasticity, found: Deformation, pairs: Ints, seen: Bools, rings: int
 ) -> Deformation:
     """What was seen around crossings is no longer held; the rest stays where it is."""
-    around = elasticity.springs.astype(bool).astype(np.float64)
     released = np.zeros(len(seen), dtype=bool)
     released[elasticity.mesh.faces[np.unique(pairs)].ravel()] = True
-    released &= seen
-    for _ in range(rings):
-        released |= around @ released.astype(np.float64) > 0
+    released = with_rings(elasticity, released & seen, rings)
     return without_data(elasticity, found, released)
 
 

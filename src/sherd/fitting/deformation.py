@@ -26,6 +26,7 @@ __all__ = [
     "carried_up",
     "coarse_deformation",
     "fine_deformation",
+    "with_rings",
     "without_data",
 ]
 
@@ -173,6 +174,14 @@ def fine_deformation(
     for _ in range(FINE_ROUNDS):
         now = _onto_surface(elasticity, now, targets, scan)
     return now
+
+
+def with_rings(elasticity: Elasticity, marked: Bools, rings: int) -> Bools:
+    """Marked vertices (n,) and so many rings of edges around them."""
+    around = elasticity.springs.astype(bool).astype(np.float64)
+    for _ in range(rings):
+        marked = marked | (np.asarray(around @ marked.astype(np.float64)) > 0)
+    return marked
 
 
 def without_data(elasticity: Elasticity, found: Deformation, released: Bools) -> Deformation:

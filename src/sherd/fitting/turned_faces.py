@@ -9,7 +9,7 @@ import numpy as np
 
 from sherd.arrays import Bools, Floats, Ints
 from sherd.fitting.as_rigid_as_possible import Elasticity
-from sherd.fitting.deformation import HOLD_LENGTH, Deformation, without_data
+from sherd.fitting.deformation import HOLD_LENGTH, Deformation, with_rings, without_data
 from sherd.mesh.geometry import face_cross
 
 __all__ = ["turned_faces", "without_turned_faces"]
@@ -50,7 +50,6 @@ def _with_fewest(
     """The one with the fewest turned faces when more and more is let go, and how many there are."""
     now, best, fewest = found, found, -1
     faces = elasticity.mesh.faces
-    around = elasticity.springs.astype(bool).astype(np.float64)
     released = np.zeros(len(found.positions), dtype=bool)
     for step in range(ROUNDS):
         rotations = elasticity.fitted_rotations(now.positions)
@@ -61,8 +60,7 @@ def _with_fewest(
         if count == 0:
             break
         released[faces[turned].ravel()] = True
-        for _ in range(step + 1):
-            released |= around @ released.astype(np.float64) > 0
+        released = with_rings(elasticity, released, step + 1)
         now = without(elasticity, found, released)
     return best, fewest
 

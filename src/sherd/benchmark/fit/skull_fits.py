@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from sherd.arrays import Bools, Floats
+from sherd.arrays import Floats
 from sherd.benchmark.datasets.pairs import seed_of
 from sherd.benchmark.fit.baselines import (
     arap_positions,
@@ -21,13 +21,12 @@ from sherd.benchmark.fit.baselines import (
 )
 from sherd.benchmark.fit.measurement import WAYS
 from sherd.benchmark.runner import measured_and_kept
-from sherd.benchmark.skulls import THERE, half_of_skull, read_skull
+from sherd.benchmark.skulls import half_of_skull, motion_of, on_skull, read_skull
 from sherd.errors import InfeasibleError, MeshFileError
 from sherd.fitting.fit import fit
 from sherd.fitting.targets import targets_of
 from sherd.library.fitted_scale import match_with_fitted_scale, sizing_after
 from sherd.limits import require_whole
-from sherd.mesh.geometry import closest_rotation
 from sherd.mesh.surface_points import closest_points
 from sherd.mesh.topology import component_labels
 from sherd.mesh.triangle_mesh import TriangleMesh
@@ -187,8 +186,9 @@ def _measured(case: SkullCase, *, with_icp: bool) -> SkullFitRow:
     rng = np.random.default_rng(seed_of(f"{case.specimen.stem} half", 0))
     half = half_of_skull(specimen, rng)
     part = rotated(half, rng)
-    there = _moved(truth.positions, half, part)
-    seen = _near(half, truth.positions)
+    turn, shift = motion_of(half.vertices, part.vertices)
+    there = truth.positions @ turn + shift
+    seen = on_skull(half, truth.positions)
     try:
         result = match_with_fitted_scale(template, part)
     except InfeasibleError:
@@ -237,18 +237,3 @@ def _one_surface(mesh: TriangleMesh) -> TriangleMesh:
     labels = component_labels(repaired.faces, repaired.vertex_count)
     areas = np.bincount(labels, repaired.vertex_areas)
     return repaired.submesh(labels[repaired.faces[:, 0]] == areas.argmax())[0]
-
-
-def _near(half: TriangleMesh, positions: Floats) -> Bools:
-    """Which positions (p, 3) lie on the half; a hand sets landmarks up to `THERE` off it."""
-    feet = closest_points(half, positions).positions(half)
-    near: Bools = np.linalg.norm(feet - positions, axis=1) < THERE
-    return near
-
-
-def _moved(positions: Floats, before: TriangleMesh, after: TriangleMesh) -> Floats:
-    """Positions (p, 3) moved as the vertices of a mesh were: a motion, known exactly."""
-    turn = closest_rotation(before.vertices, after.vertices, np.ones(before.vertex_count))
-    centered = positions - before.vertices.mean(axis=0)
-    moved: Floats = centered @ turn.T + after.vertices.mean(axis=0)
-    return moved
