@@ -125,13 +125,16 @@ def test_a_full_disk_is_said_in_one_line_and_changes_nothing(tmp_path) -> None:
     assert sorted(path.name for path in tmp_path.iterdir()) == ["animal.ply", "mended.ply"]
 
 
-# A process that starts with this module on its path gets Ctrl-C once it asks for geodesics. Shells
+# A process that starts with this module on its path gets Ctrl-C once it asks for geodesics, and
+# once more half a second later, while it leaves and waits for the thread that still sleeps. Shells
 # start background jobs with SIGINT ignored, and that is inherited; a terminal does not ignore it.
 INTERRUPTING = """
 import os, signal, time
 signal.signal(signal.SIGINT, signal.default_int_handler)
 import sherd.spectral.geodesics as geodesics
 def interrupted(*arguments, **options):
+    os.kill(os.getpid(), signal.SIGINT)
+    time.sleep(0.5)
     os.kill(os.getpid(), signal.SIGINT)
     time.sleep(5)
 geodesics.Geodesics.__init__ = interrupted

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import os
+import signal
 import sys
+import threading
 from typing import Any
 
 import click
@@ -44,7 +46,9 @@ class ReportingGroup(click.Group):
             error.show()
             sys.exit(error.exit_code)
         except (click.Abort, KeyboardInterrupt):
+            _when_interrupted_again(signal.SIG_IGN)
             _say("interrupted; nothing was left half-written")
+            _when_interrupted_again(_leave_at_once)
             sys.exit(INTERRUPTED)
         except SherdError as error:
             _say(str(error))
@@ -65,6 +69,16 @@ class ReportingGroup(click.Group):
             )
             sys.exit(INTERNAL)
         sys.exit(result if isinstance(result, int) else 0)
+
+
+def _when_interrupted_again(handler: Any) -> None:
+    """While leaving, Python waits for its threads; a second Ctrl-C shall not end in a traceback."""
+    if threading.current_thread() is threading.main_thread():  # others cannot handle signals
+        signal.signal(signal.SIGINT, handler)
+
+
+def _leave_at_once(*_: object) -> None:
+    os._exit(INTERRUPTED)  # what was begun has been taken back: there is nothing to wait for
 
 
 def _code(error: SherdError) -> int:
