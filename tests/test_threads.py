@@ -9,6 +9,7 @@ import threading
 import time
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 
 import numpy as np
 import pytest
@@ -17,7 +18,7 @@ from sherd.match import match
 from sherd.shapes.creature import creature
 from sherd.shapes.fragment import cut_by_ball, whole
 from sherd.surface.template import Template
-from sherd.threads import over_rows, set_thread_count, thread_count
+from sherd.threads import over_rows, set_thread_count, side_by_side, thread_count
 
 
 @pytest.fixture(params=[1, 3])
@@ -121,3 +122,16 @@ def test_matches_at_the_same_time_are_those_one_after_the_other() -> None:
     for one, two in zip(alone, together, strict=True):
         assert (one.faces == two.faces).all()
         assert np.array_equal(one.barycentric, two.barycentric)
+
+
+@pytest.mark.parametrize("count", [0, 1, 2, 7])
+def test_works_side_by_side_give_their_results_in_order(threads: int, count: int) -> None:
+    assert side_by_side([partial(pow, number, 2) for number in range(count)]) == [
+        number**2 for number in range(count)
+    ]
+
+
+def test_the_caller_works_beside_the_other_threads(threads: int) -> None:
+    """Each waits until all threads are at work; if the caller only waited, it would be in vain."""
+    together = threading.Barrier(threads, timeout=30)
+    side_by_side([together.wait] * threads)

@@ -130,20 +130,18 @@ def locate_one_side(
     chance, featureless = None, False
     belonging = partial(_belonging, template, described, options.seed)
     judged = None
-    if options.method == "voting":
-        with one_blas_thread():
-            # both are asked for by all that follows, which fills two cores
-            eigenvectors = begun(lambda: template.basis(options.basis_size))
+    with one_blas_thread():  # sums over 10,000 vertices would depend on how many there are
+        if options.method == "voting":
+            begun(lambda: template.basis(options.basis_size))  # asked for after the others
             with stages("descriptors"):
                 _ = template.spread
-            with stages("eigenbasis"):
-                eigenvectors()
-        judged = begun(belonging)
-    with one_blas_thread():
+            with stages("samples"):
+                _ = described.sparse
+            judged = begun(belonging)
         found = method(template, described, options, stages)
-    if judged is not None:
-        with stages("belonging"):
-            chance, featureless = judged()
+        if judged is not None:
+            with stages("belonging"):
+                chance, featureless = judged()
     with stages("numbering"):
         area = min(described.placed.area, template.placed.area)
         return LocateResult(

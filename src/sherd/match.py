@@ -41,7 +41,7 @@ from sherd.results.status import Status
 from sherd.results.way_back import WayBack
 from sherd.scan.either_side import SURE_BULGE, better_side
 from sherd.scan.intake import Intake, MeshSource, ScanSource, scan_intake
-from sherd.scan.numbering import turned_as_repaired
+from sherd.scan.numbering import original_normals, turned_as_repaired
 from sherd.surface.prepared import as_template
 from sherd.surface.template import Template
 from sherd.threads import one_blas_thread
@@ -167,6 +167,7 @@ def match_result(placed: PlacedPart, stages: Stages) -> MatchResult:
         notices=MappingProxyType({"full": template.intake.notices, "part": part.notices}),
         chance=chance,
     )
+    original_normals(template.intake)  # known now, the check need not repair the full shape again
     unknown = options.scale == "unknown"
     doubts = Doubts(
         chance=chance,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -126,7 +127,8 @@ def placed_part(
     pins = pins_of(template, part, kept_vertices, options)
     rng, twin_rng = np.random.default_rng(options.seed).spawn(2)
     unit = kept.length / TRIAL_SIZE if unknown else template.length / options.factor
-    described = begun(lambda: _described(kept, unit, pins))
+    describe = partial(_described, kept, unit, pins)
+    described = describe if template.prepared else begun(describe)
     with stages("full shape"):
         template.prepare()
     with stages("part"):
@@ -149,11 +151,12 @@ def placed_part(
         start = first_labeling(problem)
         labeling = find_anchors(problem, start=start)
         # a generator of its own: what follows stays what it would be without this
-        chance_level = chance_energy(problem, np.random.default_rng(options.seed))
+        chance_level = begun(partial(chance_energy, problem, np.random.default_rng(options.seed)))
+        del problem  # large, and of use to that work only
     with stages("first placement"):
-        first = placement_from_labeling(question, labeling, queries)
+        first, look = placement_from_labeling(question, labeling, queries)
     with stages("second placement"):
-        second = second_placement(question, first, queries, rng)
+        second = second_placement(question, look, queries, rng)
         best, other = sorted((first, second), key=lambda found: -found.score)
     with stages("mirrored twin"):
         mirror = twin_placement() if twin else None
@@ -170,7 +173,7 @@ def placed_part(
         best=best,
         other=other,
         twin=mirror,
-        energies=(start.energy, labeling.energy, chance_level),
+        energies=(start.energy, labeling.energy, chance_level()),
     )
 
 

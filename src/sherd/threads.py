@@ -7,14 +7,16 @@ the process when two threads call them at once.
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from itertools import pairwise
 from threading import Lock
 from typing import Any, TypeVar
 
-__all__ = ["begun", "one_blas_thread", "over_rows", "set_thread_count", "thread_count"]
+__all__ = [
+    "begun", "one_blas_thread", "over_rows", "set_thread_count", "side_by_side", "thread_count",
+]  # fmt: skip
 
 Result = TypeVar("Result")
 
@@ -84,6 +86,16 @@ def begun(work: Callable[[], Result]) -> Callable[[], Result]:
         return work
     task = _pool(thread_count() - 1).submit(work)
     return lambda: work() if task.cancel() else task.result()
+
+
+def side_by_side(works: Iterable[Callable[[], Result]]) -> list[Result]:
+    """Do all of `works`, as many at a time as there are cores, and return their results in order.
+
+    None may depend on another. The other threads take them from the front, so the calling thread
+    asks from the back: it does what nobody has begun, and waits for the last ones only.
+    """
+    results = [begun(work) for work in works]
+    return [result() for result in reversed(results)][::-1]
 
 
 @contextmanager

@@ -79,7 +79,7 @@ def graded(monkeypatch, score, ratio=lambda _: 1.0) -> list[float]:
     """Trials give what these functions of the factor say; returns the factors as they are tried."""
     tried: list[float] = []
 
-    def trial(question: Question, factor: float, rng: np.random.Generator) -> tuple[float, float]:
+    def trial(labeled, question: Question, factor: float, seed: int) -> tuple[float, float]:
         tried.append(factor)
         return float(score(factor)), float(ratio(factor))
 

@@ -21,8 +21,9 @@ from sherd.surface.working import WorkingSurface
 def placed(planted, labels: np.ndarray, *, rough: bool = False) -> WorkingPlacement:
     labeling = Labeling(labels, planted.rotations, np.zeros(len(labels)), 0.0)
     queries = part_queries(planted.question, np.random.default_rng(0))
-    carry = rough_placement_from_labeling if rough else placement_from_labeling
-    return carry(planted.question, labeling, queries)
+    if rough:
+        return rough_placement_from_labeling(planted.question, labeling, queries)
+    return placement_from_labeling(planted.question, labeling, queries)[0]
 
 
 def errors(planted, found: WorkingPlacement) -> np.ndarray:

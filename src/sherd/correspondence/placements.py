@@ -11,6 +11,7 @@ from sherd.arrays import Singles
 from sherd.correspondence.labels.anchors import find_anchors, first_labeling, proposed_anchors
 from sherd.correspondence.labels.labeling import SIMILARITY_STEP, Problem, labeling_problem
 from sherd.correspondence.question import Question
+from sherd.correspondence.similar_places import Look
 from sherd.correspondence.working_placement import (
     Queries,
     WorkingPlacement,
@@ -42,17 +43,19 @@ def anchor_problem(question: Question, rng: np.random.Generator) -> Problem:
 
 
 def second_placement(
-    question: Question, first: WorkingPlacement, queries: Queries, rng: np.random.Generator
+    question: Question, look: Look, queries: Queries, rng: np.random.Generator
 ) -> WorkingPlacement:
-    """A placement from anchors that see the full shape inside the first one's region.
+    """A placement from anchors that see of the full shape what the first placement's `look` saw.
 
-    There both shapes have the same cut, so neighborhoods are complete.
+    That is the region of the first one: there both shapes have the same cut, so neighborhoods are
+    complete.
     """
     spectra = trusted_equally(question.part.spectra_at(question.part.sparse.vertices), RADII)
-    similarity = node_similarity(question, spectra, inside=first.inside_spectra)
+    similarity = node_similarity(question, spectra, inside=look.full_spectra)
     problem = labeling_problem(question, similarity, rng)
     labeling = find_anchors(problem, step=SECOND_STEP, rounds=SECOND_ROUNDS)
-    return placement_from_labeling(question, labeling, queries)
+    placement, _ = placement_from_labeling(question, labeling, queries)
+    return placement
 
 
 def mirrored_placement(

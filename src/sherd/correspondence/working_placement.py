@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -65,12 +66,12 @@ class WorkingPlacement:
 
     Attributes
     ----------
+    question
+        The two shapes.
     deformation
         The elastic part on the full shape.
-    points, mask
-        A point for every vertex of the part itself, and the region of the full shape itself (n,).
-    inside_spectra
-        Spectra of the full shape when only the first region is seen.
+    points
+        A point for every vertex of the part itself.
     similarity
         (q,) similarity at the answers, neighborhoods seen inside the region only.
     strain
@@ -79,13 +80,20 @@ class WorkingPlacement:
         Area-weighted mean similarity minus mean strain, at most 1.
     """
 
+    question: Question
     deformation: Deformation
     points: SurfacePoints
-    mask: Bools
-    inside_spectra: Singles
     similarity: Floats
     strain: Floats
     score: float
+
+    @cached_property
+    def mask(self) -> Bools:
+        """(n,) bool, the vertices of the full shape itself that the part covers.
+
+        Found when it is asked for: of a placement that is not the answer nobody does.
+        """
+        return _covered(self.question, self.deformation)
 
 
 def part_queries(question: Question, rng: np.random.Generator) -> Queries:
@@ -108,8 +116,8 @@ def mirrored_queries(queries: Queries) -> Queries:
 
 def placement_from_labeling(
     question: Question, labeling: Labeling, queries: Queries
-) -> WorkingPlacement:
-    """Carry a labeling through to points.
+) -> tuple[WorkingPlacement, Look]:
+    """Carry a labeling through to points; the second result is what was seen of the full shape.
 
     Every vertex is trilaterated, the elastic part laid onto the full shape by neighborhoods; then
     the region is known, and the part slides once more, by neighborhoods inside it.
@@ -117,7 +125,7 @@ def placement_from_labeling(
     deformation = _by_neighborhoods(question, labeling, queries, FIRST_REACHES)
     look = look_inside(question, deformation, queries)
     deformation = registered_to_surface(question, deformation, look, reaches=SECOND_REACHES)
-    return judged_placement(question, deformation, look)
+    return judged_placement(question, deformation, look), look
 
 
 def rough_placement_from_labeling(
@@ -148,7 +156,7 @@ def look_inside(question: Question, deformation: Deformation, queries: Queries) 
 
 
 def judged_placement(question: Question, deformation: Deformation, look: Look) -> WorkingPlacement:
-    """The finished placement with its points, its region and its score."""
+    """The finished placement with its points and its score."""
     full, part = question.full, question.part
     _, _, similarity = similar_places(full, deformation.positions, look, reach=ANSWER_REACH)
     strain = elastic_strain(part, deformation)
@@ -157,10 +165,9 @@ def judged_placement(question: Question, deformation: Deformation, look: Look) -
         np.minimum(strain, 1.0), weights=areas
     )
     return WorkingPlacement(
+        question=question,
         deformation=deformation,
         points=surface_points(question, full.own_finder, deformation),
-        mask=_covered(question, deformation),
-        inside_spectra=look.full_spectra,
         similarity=similarity,
         strain=strain,
         score=float(score),

@@ -20,7 +20,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,7 +29,7 @@ from sherd.arrays import Floats, Ints, Singles
 from sherd.descriptors.rotation_kernel import FREQUENCIES, best_rotation, describe, pool_cells
 from sherd.descriptors.shot_kernel import AZIMUTHS, BINS
 from sherd.mesh.vertex_cells_kernel import sorted_into_cells
-from sherd.threads import one_blas_thread, over_rows, thread_count
+from sherd.threads import one_blas_thread, over_rows, side_by_side
 
 __all__ = [
     "mirrored_spectra",
@@ -164,7 +164,7 @@ def _compared(full_spectra: Singles, part_spectra: Singles) -> Iterator[tuple[sl
     half = part_spectra.shape[2] // 2
     widths = [2 * half if k in _IMAGINARY else half for k in _REAL]
     turned = np.concatenate([part_spectra[:, :, half:], -part_spectra[:, :, :half]], axis=2)
-    with one_blas_thread(), ThreadPoolExecutor(thread_count()) as pool:
+    with one_blas_thread():
         for start in range(0, count, block):
             rows = slice(start, min(start + block, count))
             shape = (AZIMUTHS, rows.stop - start, vertices)
@@ -176,7 +176,7 @@ def _compared(full_spectra: Singles, part_spectra: Singles) -> Iterator[tuple[sl
             products += [
                 (turned[k, rows], full_spectra[k].T, parts[FREQUENCIES + k - 1]) for k in _IMAGINARY
             ]
-            list(pool.map(lambda product: np.matmul(product[0], product[1], product[2]), products))
+            side_by_side([partial(np.matmul, *product) for product in products])
             yield rows, parts
 
 

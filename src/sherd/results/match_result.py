@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -26,8 +25,7 @@ from sherd.results.distortion import edge_stretch, faces_preserved
 from sherd.results.match_options import MatchOptions
 from sherd.results.placement import Placement
 from sherd.results.status import Status
-from sherd.scan.intake import mesh_intake
-from sherd.scan.numbering import original_normals
+from sherd.scan.numbering import outward_normals
 
 if TYPE_CHECKING:
     import trimesh
@@ -208,10 +206,10 @@ class MatchResult(FrozenState):
         """(n_part,) chance that each point is within 0.05 sqrt(area of full) of the truth."""
         return np.asarray(self.best.confidence)
 
-    @cached_property
+    @property
     def outward(self) -> Floats:
         """(n_full, 3) outward normals of the full shape, even where its own faces look inward."""
-        return original_normals(mesh_intake(self.full))
+        return outward_normals(self.full)
 
     @property
     def positions(self) -> Floats:

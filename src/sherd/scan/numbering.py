@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from weakref import WeakKeyDictionary
+
 import numpy as np
 from scipy.spatial import cKDTree
 
@@ -9,12 +11,13 @@ from sherd.arrays import Floats, Ints
 from sherd.errors import InputError
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
-from sherd.scan.intake import Intake
+from sherd.scan.intake import Intake, mesh_intake
 
 __all__ = [
     "nearest_repaired",
     "original_normals",
     "original_points",
+    "outward_normals",
     "repaired_vertices",
     "turned_as_repaired",
 ]
@@ -83,12 +86,27 @@ def turned_as_repaired(intake: Intake) -> TriangleMesh:
 def original_normals(intake: Intake) -> Floats:
     """(n, 3) outward normals at the vertices of the original: those of the repaired mesh.
 
-    Zero at vertices without a face; the original's own faces may look inward.
+    Zero at vertices without a face; the original's own faces may look inward. They are kept as
+    long as the original is.
     """
-    normals = intake.mesh.vertex_normals
-    if not intake.report.changed:
-        return normals
-    return np.asarray(intake.report.to_original(normals, fill=0.0), dtype=np.float64)
+    known = _normals.get(intake.original)
+    if known is None:
+        known = intake.mesh.vertex_normals
+        if intake.report.changed:
+            lifted = intake.report.to_original(known, fill=0.0)
+            known = np.asarray(lifted, dtype=np.float64)
+        _normals[intake.original] = known
+    return known
+
+
+def outward_normals(mesh: TriangleMesh) -> Floats:
+    """`original_normals` of a mesh as it was given, which is repaired for it only if need be."""
+    known = _normals.get(mesh)
+    return original_normals(mesh_intake(mesh)) if known is None else known
+
+
+# Results of many parts share one full shape, and to repair a million vertices takes seconds.
+_normals: WeakKeyDictionary[TriangleMesh, Floats] = WeakKeyDictionary()
 
 
 def nearest_repaired(intake: Intake) -> Ints:

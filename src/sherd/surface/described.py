@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, fields
 from functools import cached_property
+from threading import Lock
 from typing import Any
 
 import numpy as np
@@ -109,6 +110,7 @@ class DescribedSurface:
         self._sampled_at = np.empty(0, dtype=np.int64) if sampled_at is None else sampled_at
         self._known = known or Known()
         self._bases: dict[int, EigenBasis] = {}
+        self._basis_lock = Lock()
 
     def __getstate__(self) -> dict[str, Any]:
         """What takes long to compute, as far as it is computed; trees and factors stay behind."""
@@ -266,10 +268,11 @@ class DescribedSurface:
         return spectra
 
     def basis(self, size: int) -> EigenBasis:
-        """The first `size` eigenpairs of the working mesh."""
-        if size not in self._bases:
-            self._bases[size] = eigenbasis(self.mesh, size)
-        return self._bases[size]
+        """The first `size` eigenpairs of the working mesh; waits if another thread is at it."""
+        with self._basis_lock:
+            if size not in self._bases:
+                self._bases[size] = eigenbasis(self.mesh, size)
+            return self._bases[size]
 
     def _projected(self, vertices: Ints, weights: Floats) -> Singles:
         """(5, q, 2 k) spectra in the frames of `cell_axes`, a block at a time."""

@@ -80,6 +80,14 @@ class Template(DescribedSurface):
         """sqrt(area) of the repaired full shape, in its own unit."""
         return self.intake.mesh.length
 
+    @property
+    def prepared(self) -> bool:
+        """Whether all that matching needs is known."""
+        return all(
+            name in vars(self) or getattr(self._known, name) is not None
+            for name in ("spectra", "dense")
+        )
+
     def prepare(self) -> None:
         """Compute now all that matching needs, instead of on first use."""
         _ = (self.spectra, self.dense)
