@@ -45,6 +45,7 @@ clean:
 
 .venv/library: pyproject.toml constraints.txt | .venv/bin/python
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e .
+	$(BIN)/python -m compileall -q src  # pip does so for what it copies; a start takes 0.1 s less
 	touch $@
 
 .venv/development: .venv/library

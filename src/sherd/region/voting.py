@@ -95,10 +95,11 @@ def locate_by_voting(
     with stages("region"):
         best, mask = drawing.region(place, FINAL)
     with stages("alternatives"):
-        sketches = [twin()]
-        if mesh.vertex_areas[~mask].sum() >= fraction:
+        sketches = []
+        if mesh.vertex_areas[~mask].sum() >= fraction:  # while another core is at the twin
             elsewhere = poll.vote(similarities.direct, forbidden=mask)
             sketches.append(_Sketch.of(elsewhere, drawing, mirrored=False))
+        sketches.insert(0, twin())
         others = _alternatives(sketches, mask, mesh.vertex_areas)
     return Found(
         best=Placement(mask=mask, membership=best.membership, score=place.score),
