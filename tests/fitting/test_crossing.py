@@ -75,6 +75,26 @@ def test_what_the_map_mixes_up_is_let_go(fork) -> None:
     assert np.abs(answer.positions[seen] - rest[seen]).max() < 0.005
 
 
+def test_bent_limbs_that_were_seen_give_way_to_each_other(fork) -> None:
+    """Both were seen bent until their ends crossed; let go they stay bent, so they are pushed."""
+    elasticity, seen = fork
+    rest, faces = elasticity.rest, elasticity.mesh.faces
+    base = rest[seen, 2].max()
+    height = np.clip(rest[:, 2] - base, 0, None)
+    ends = height > 0.8 * height.max()
+    gap = np.abs(rest[ends, 0]).min()
+    bent = np.arctan2(1.2 * gap, 0.9 * height.max()) * np.minimum(height / 0.1, 1.0)
+    met = rest.copy()
+    met[:, 0] -= np.sign(rest[:, 0]) * height * np.sin(bent)
+    met[:, 2] -= height * (1 - np.cos(bent))
+    crossing = intersecting_faces(met, faces)
+    assert 0 < crossing.sum() < 100
+    everything = np.ones(len(rest), dtype=bool)
+    answer = without_new_crossings(elasticity, identity(elasticity, met), everything)
+    assert not intersecting_faces(answer.positions, faces).any()
+    assert np.linalg.norm(answer.positions - met, axis=1).max() < 0.1
+
+
 def test_what_crosses_nothing_is_left_alone(fork) -> None:
     elasticity, seen = fork
     found = identity(elasticity, elasticity.rest + 1.0)

@@ -13,6 +13,7 @@ from sherd.fitting.deformation import Deformation, with_rings, without_data
 from sherd.fitting.self_intersection import intersecting_faces, intersecting_pairs
 from sherd.mesh.geometry import closest_rotation, face_areas, face_normals
 from sherd.mesh.topology import component_labels
+from sherd.mesh.triangle_mesh import TriangleMesh
 
 __all__ = ["new_crossings", "without_new_crossings"]
 
@@ -59,26 +60,28 @@ def without_new_crossings(elasticity: Elasticity, found: Deformation, seen: Bool
         fewer = len(np.unique(crossing)) < len(np.unique(least))
         if fewer and off(step) <= most:
             best, least = step, crossing
-        return len(crossing) > 0
+        return len(least) > 0
 
     for rings in RINGS:
         if not seen[faces[np.unique(least)]].any():
             break
         if not kept(_released(elasticity, best, least, seen, rings)):
             return best
-    if seen.all():
-        return best
-    turning = _turning_back(elasticity, best, least, seen)
-    for share in SHARES:
-        if not kept(turning(share)):
-            return best
-    now = best
-    for _ in range(ROUNDS):
-        pairs = _new_pairs(now.positions, faces, before)
-        if not len(pairs):
+    if not seen.all():
+        turning = _turning_back(elasticity, best, least, seen)
+        for share in SHARES:
+            if not kept(turning(share)):
+                return best
+        now = best
+        for _ in range(ROUNDS):
+            pairs = _new_pairs(now.positions, faces, before)
+            if not len(pairs):
+                break
+            now = _pushed(elasticity, now, pairs, seen)
+            kept(now)
+    for rings in RINGS if len(least) else ():
+        if not kept(_pushed_around(elasticity, best, least, before, rings)):
             break
-        now = _pushed(elasticity, now, pairs, seen)
-        kept(now)
     return best
 
 
@@ -123,9 +126,37 @@ def new_crossings(elasticity: Elasticity, found: Deformation) -> int:
 
 
 def _new_pairs(positions: Floats, faces: Ints, before: Bools) -> Ints:
+    """Pairs (k, 2) of faces that pierce each other, one of which at least did not `before`."""
     pairs = intersecting_pairs(positions, faces)
-    fresh: Ints = pairs[~before[pairs].any(axis=1)]
+    fresh: Ints = pairs[~before[pairs].all(axis=1)]
     return fresh
+
+
+def _pushed_around(
+    elasticity: Elasticity, found: Deformation, pairs: Ints, before: Bools, rings: int
+) -> Deformation:
+    """Crossing surfaces pushed apart, seen or not; so many rings around them follow, no more."""
+    faces = elasticity.mesh.faces
+    free = np.zeros(len(found.positions), dtype=bool)
+    free[faces[np.unique(pairs)].ravel()] = True
+    free = with_rings(elasticity, free, rings)
+    patch = np.flatnonzero(free[faces].any(axis=1))
+    used, corners = np.unique(faces[patch], return_inverse=True)
+    corners = corners.reshape(-1, 3)
+    local = Elasticity(TriangleMesh(elasticity.rest[used], corners))
+    best = now = Deformation(found.positions[used], found.rotations[used], found.sizes[used])
+    crossing = _new_pairs(now.positions, corners, before[patch])
+    fewest = len(np.unique(crossing))
+    for _ in range(ROUNDS):
+        if not len(crossing):
+            break
+        now = _pushed(local, now, crossing, ~free[used])
+        crossing = _new_pairs(now.positions, corners, before[patch])
+        if len(np.unique(crossing)) < fewest:
+            best, fewest = now, len(np.unique(crossing))
+    positions, rotations = found.positions.copy(), found.rotations.copy()
+    positions[used], rotations[used] = best.positions, best.rotations
+    return replace(found, positions=positions, rotations=rotations)
 
 
 def _pushed(elasticity: Elasticity, now: Deformation, pairs: Ints, seen: Bools) -> Deformation:
