@@ -13,12 +13,17 @@ from functools import partial
 
 import numpy as np
 import pytest
+from threadpoolctl import threadpool_info, threadpool_limits
 
+from sherd.assemble import assemble
+from sherd.errors import InfeasibleError
+from sherd.locate import locate
 from sherd.match import match
+from sherd.overlap import overlap
 from sherd.shapes.creature import creature
 from sherd.shapes.fragment import cut_by_ball, whole
 from sherd.surface.template import Template
-from sherd.threads import over_rows, set_thread_count, side_by_side, thread_count
+from sherd.threads import begun, over_rows, set_thread_count, side_by_side, thread_count
 
 
 @pytest.fixture(params=[1, 3])
@@ -93,7 +98,7 @@ def test_callers_that_are_all_busy_do_not_wait_for_each_other() -> None:
 def test_a_forked_child_makes_its_own_threads() -> None:
     code = (
         "import os, sys, numpy as np\n"
-        "from sherd.threads import over_rows, set_thread_count\n"
+        "from sherd.threads import begun, over_rows, set_thread_count\n"
         "set_thread_count(2)\n"
         "def kernel(rows, out): out[rows[0]:rows[1]] += 1\n"
         "def all_once():\n"
@@ -135,3 +140,38 @@ def test_the_caller_works_beside_the_other_threads(threads: int) -> None:
     """Each waits until all threads are at work; if the caller only waited, it would be in vain."""
     together = threading.Barrier(threads, timeout=30)
     side_by_side([together.wait] * threads)
+
+
+def finish_elsewhere() -> None:
+    """Wait until the other threads have nothing to do; an answer may have ended early."""
+    together = threading.Barrier(thread_count(), timeout=60)
+    waiting = [begun(together.wait) for _ in range(thread_count() - 1)]
+    together.wait()
+    for each in waiting:
+        each()
+
+
+@pytest.mark.parametrize(
+    ("module", "inside", "asked"),
+    [
+        ("sherd.match", "placed_part", match),
+        ("sherd.locate", "locate_by_voting", locate),
+        ("sherd.overlap", "kept_shape", overlap),
+        ("sherd.overlap", "two_way_labelings", overlap),
+        ("sherd.assemble", "trials_alone", lambda full, part: assemble(full, [part])),
+    ],
+)
+def test_sums_do_not_depend_on_the_number_of_threads(monkeypatch, module, inside, asked) -> None:
+    """BLAS splits a sum over more than 10,000 numbers by threads, which changes its last digit."""
+
+    def seen(*_: object, **__: object) -> None:
+        used = [each["num_threads"] for each in threadpool_info() if each["user_api"] == "blas"]
+        raise InfeasibleError(f"threads of BLAS: {set(used)}")
+
+    full = creature(5000)
+    part = cut_by_ball(whole(full, full), 0, 0.5).mesh
+    monkeypatch.setattr(sys.modules[module], inside, seen)
+    finish_elsewhere()
+    # on a machine of one core it is asked as well
+    with threadpool_limits(2), pytest.raises(InfeasibleError, match=r"threads of BLAS: \{1\}"):
+        asked(full, part)

@@ -126,22 +126,12 @@ def locate_one_side(
     """Locate a part whose faces look outward; see :func:`locate`."""
     check_sizes(template.intake.mesh, part.mesh)
     described = described_part(part.mesh, template.length)
-    method = locate_by_voting if options.method == "voting" else locate_by_integrals
-    chance, featureless = None, False
-    belonging = partial(_belonging, template, described, options.seed)
-    judged = None
     with one_blas_thread():  # sums over 10,000 vertices would depend on how many there are
         if options.method == "voting":
-            begun(lambda: template.basis(options.basis_size))  # asked for after the others
-            with stages("descriptors"):
-                _ = template.spread
-            with stages("samples"):
-                _ = described.sparse
-            judged = begun(belonging)
-        found = method(template, described, options, stages)
-        if judged is not None:
-            with stages("belonging"):
-                chance, featureless = judged()
+            found, chance, featureless = _voted(template, described, options, stages)
+        else:
+            found = locate_by_integrals(template, described, options, stages)
+            chance, featureless = None, False
     with stages("numbering"):
         area = min(described.placed.area, template.placed.area)
         return LocateResult(
@@ -165,6 +155,25 @@ def locate_one_side(
             chance=chance,
             featureless=featureless,
         )
+
+
+def _voted(
+    full: Template, part: DescribedSurface, options: LocateOptions, stages: Stages
+) -> tuple[Found, float, bool]:
+    """Where the part lies, the chance that it belongs there, and whether it has no features."""
+    eigenvectors = begun(partial(full.basis, options.basis_size))  # asked for after the others
+    with stages("descriptors"):
+        _ = full.spread
+    with stages("samples"):
+        _ = part.sparse
+    judged = begun(partial(_belonging, full, part, options.seed))
+    try:
+        found = locate_by_voting(full, part, options, stages)
+    finally:  # nothing is left to other threads
+        eigenvectors()
+        with stages("belonging"):
+            chance, featureless = judged()
+    return found, chance, featureless
 
 
 def _belonging(full: Template, part: DescribedSurface, seed: int) -> tuple[float, bool]:
