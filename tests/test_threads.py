@@ -23,7 +23,14 @@ from sherd.overlap import overlap
 from sherd.shapes.creature import creature
 from sherd.shapes.fragment import cut_by_ball, whole
 from sherd.surface.template import Template
-from sherd.threads import begun, over_rows, set_thread_count, side_by_side, thread_count
+from sherd.threads import (
+    begun,
+    one_blas_thread,
+    over_rows,
+    set_thread_count,
+    side_by_side,
+    thread_count,
+)
 
 
 @pytest.fixture(params=[1, 3])
@@ -98,7 +105,7 @@ def test_callers_that_are_all_busy_do_not_wait_for_each_other() -> None:
 def test_a_forked_child_makes_its_own_threads() -> None:
     code = (
         "import os, sys, numpy as np\n"
-        "from sherd.threads import begun, over_rows, set_thread_count\n"
+        "from sherd.threads import begun, one_blas_thread, over_rows, set_thread_count\n"
         "set_thread_count(2)\n"
         "def kernel(rows, out): out[rows[0]:rows[1]] += 1\n"
         "def all_once():\n"
@@ -142,6 +149,24 @@ def test_the_caller_works_beside_the_other_threads(threads: int) -> None:
     side_by_side([together.wait] * threads)
 
 
+def blas_threads() -> set[int]:
+    return {each["num_threads"] for each in threadpool_info() if each["user_api"] == "blas"}
+
+
+def test_blas_obeys_whoever_asks_while_others_live_that_asked_before() -> None:
+    with threadpool_limits(2, user_api="blas"), ThreadPoolExecutor(1) as other:
+
+        def seen() -> set[int]:
+            with one_blas_thread():
+                return blas_threads()
+
+        assert other.submit(seen).result() == {1}
+        assert blas_threads() == {2}
+        assert seen() == {1}
+        assert other.submit(seen).result() == {1}
+        assert blas_threads() == {2}
+
+
 def finish_elsewhere() -> None:
     """Wait until the other threads have nothing to do; an answer may have ended early."""
     together = threading.Barrier(thread_count(), timeout=60)
@@ -165,8 +190,7 @@ def test_sums_do_not_depend_on_the_number_of_threads(monkeypatch, module, inside
     """BLAS splits a sum over more than 10,000 numbers by threads, which changes its last digit."""
 
     def seen(*_: object, **__: object) -> None:
-        used = [each["num_threads"] for each in threadpool_info() if each["user_api"] == "blas"]
-        raise InfeasibleError(f"threads of BLAS: {set(used)}")
+        raise InfeasibleError(f"threads of BLAS: {blas_threads()}")
 
     full = creature(5000)
     part = cut_by_ball(whole(full, full), 0, 0.5).mesh

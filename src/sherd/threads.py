@@ -109,6 +109,7 @@ def one_blas_thread() -> Iterator[None]:
         if not _inside:
             from threadpoolctl import threadpool_limits  # noqa: PLC0415
 
+            _take_control_of_blas()
             _limits.append(threadpool_limits(limits=1, user_api="blas"))
         _inside.append(None)
     try:
@@ -117,7 +118,22 @@ def one_blas_thread() -> Iterator[None]:
         with _making:
             _inside.pop()
             if not _inside:
+                _take_control_of_blas()
                 _limits.pop().restore_original_limits()
+                _take_control_of_blas()
+
+
+def _take_control_of_blas() -> None:
+    """Let the next thread that sets the number of BLAS's threads do so, whichever did before.
+
+    Since threadpoolctl 3.8 OpenBLAS obeys only the first thread that ever set it, as long as that
+    one lives: threads of our pool live on, and what others ask for is silently not done.
+    """
+    import threadpoolctl  # noqa: PLC0415
+
+    blas: Any = getattr(threadpoolctl, "OpenBLASController", None)
+    if hasattr(blas, "clear_controlling_thread"):
+        blas.clear_controlling_thread(force=True)
 
 
 # One for the life of the process: to make one takes longer than most of the work.
