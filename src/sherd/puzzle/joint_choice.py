@@ -1,8 +1,8 @@
 """Which placement of each piece, or none: all pieces decided together.
 
-    E(c) = sum_i area(R_i) (p_0 - p_i) / (1 - p_0)
+    E(c) = - sum_i s_i area(R_i)        s_i = (p_i - p_0) / (1 - p_0)
            + omega (sum_i |border R_i| - sum_{i < j} |border R_i and border R_j facing|)
-           + kappa sum_{i < j} area(core R_i and core R_j)
+           + kappa sum_{i < j} max(s_i, s_j, 0) area(core R_i and core R_j)
 
 over the choice c of one candidate, with region R_i and chance p_i to be right, or none for each
 piece. It is the multi-phase Mumford-Shah energy
@@ -12,7 +12,9 @@ piece. It is the multi-phase Mumford-Shah energy
 for memberships that are constant on the candidates' regions and a gap, i = 0, at no price: what is
 no more likely to be right than p_0 is left out; a border against the gap is paid for, one that two
 pieces share only once, so a piece that fills a hole costs none; and a place that is used twice,
-where memberships cannot sum to 1, is paid for dearly.
+where memberships cannot sum to 1, is paid for with more than the surer of both gains there. Two
+that are hardly sure may reach into each other's places, as their borders are off; a sure one gives
+nothing up.
 """
 
 from __future__ import annotations
@@ -29,8 +31,9 @@ from sherd.puzzle.border import Border, facing_lengths
 
 __all__ = ["LEAST_CHANCE", "Candidate", "Choice", "joint_choice", "shared_areas"]
 
-# Price of area that two pieces claim. Above 1, so that a sure piece that lies wholly where a surer
-# one lies is refused; not far above, so that two sure scans may share two thirds of one.
+# Price of area that two pieces claim, over what the surer one gains by it. Above 1, so that what
+# lies wholly where a surer piece lies is refused; not far above, so that two sure scans may share
+# two thirds of one.
 KAPPA = 1.25
 # What a piece must reach for a place: foreign pieces on whole shapes had 0.27 and less, but for one
 # of five (0.52), right ones 0.25 and more, so borders and places taken must tell some apart.
@@ -107,12 +110,14 @@ def joint_choice(
     flat = [(k, c) for k, some in enumerate(pieces) for c in range(len(some))]
     owner = np.array([k for k, _ in flat], dtype=np.int64)
     some = [pieces[k][c] for k, c in flat]
+    sure = np.array([_sureness(each) for each in some])
     gain = np.array([_gain(each, areas) for each in some])
     cost = np.zeros((len(flat), len(flat)))
     if some:
         cost -= OMEGA * facing_lengths([each.border for each in some])
         if not may_overlap:
-            cost += KAPPA * shared_areas([each.core for each in some], areas)
+            surest = np.maximum(np.maximum.outer(sure, sure), 0.0)
+            cost += KAPPA * surest * shared_areas([each.core for each in some], areas)
         cost[owner[:, None] == owner[None, :]] = 0.0
     chosen = np.full(len(pieces), -1, dtype=np.int64)
     energy, proven = 0.0, True
@@ -125,10 +130,15 @@ def joint_choice(
     return Choice(chosen, energy, proven)
 
 
+def _sureness(candidate: Candidate) -> float:
+    """What its region gains by area, at most 1; that of the gap is 0."""
+    return (candidate.chance - LEAST_CHANCE) / (1 - LEAST_CHANCE)
+
+
 def _gain(candidate: Candidate, areas: Floats) -> float:
     """What is gained by a candidate alone."""
-    sure = (candidate.chance - LEAST_CHANCE) / (1 - LEAST_CHANCE)
-    return float(areas @ candidate.region) * sure - OMEGA * candidate.border.length
+    covered = float(areas @ candidate.region)
+    return covered * _sureness(candidate) - OMEGA * candidate.border.length
 
 
 def shared_areas(masks: Sequence[Bools], areas: Floats) -> Floats:
