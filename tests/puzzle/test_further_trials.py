@@ -13,6 +13,7 @@ from sherd.puzzle import further_trials
 from sherd.puzzle.border import border_of
 from sherd.puzzle.further_trials import torn_apart, trials_again
 from sherd.puzzle.joint_choice import Candidate
+from sherd.puzzle.partition import Partition
 from sherd.puzzle.trials import Trial
 from sherd.shapes import creature
 
@@ -21,7 +22,8 @@ from sherd.shapes import creature
 def full() -> SimpleNamespace:
     """What is asked of a template here."""
     mesh = creature(5000)
-    return SimpleNamespace(placed=mesh.with_vertices(mesh.vertices / mesh.length))
+    placed = mesh.with_vertices(mesh.vertices / mesh.length)
+    return SimpleNamespace(placed=placed, partition=Partition(placed))
 
 
 def balls(full, *corners: int) -> list[Bools]:
@@ -45,7 +47,7 @@ def trial(full, piece: int, region: Bools, chance: float, *, area: float | None 
         best=SimpleNamespace(mask=region),
     )
     border = border_of(mesh, mesh.vertices)  # a closed mesh has none
-    return Trial(piece, placed, None, Candidate(region, region, chance, border))
+    return Trial(piece, placed, full.partition, Candidate(region, region, chance, border))
 
 
 @pytest.fixture
@@ -111,8 +113,8 @@ def test_nobody_moves_for_a_piece_that_cannot_lie_beside_the_others(full, asked)
 
 
 def test_a_piece_is_not_asked_where_there_is_no_room_for_half_of_it(full, asked) -> None:
-    large, small = within(full, 0.0, 0.85), within(full, 0.5, 0.7)
-    again(full, [trial(full, 0, large, 0.9), trial(full, 1, small, 0.3, area=0.28)])
+    large, small = within(full, 0.0, 0.8), within(full, 0.5, 0.7)
+    again(full, [trial(full, 0, large, 0.9), trial(full, 1, small, 0.3, area=0.32)])
     assert [piece for piece, _ in asked] == [1]
     asked.clear()
     again(full, [trial(full, 0, large, 0.9), trial(full, 1, small, 0.3, area=0.5)])

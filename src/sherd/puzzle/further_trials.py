@@ -14,6 +14,7 @@ from sherd.output import Stages
 from sherd.place import placed_part
 from sherd.puzzle.joint_choice import LEAST_CHANCE
 from sherd.puzzle.trials import (
+    MARGIN,
     SCORE_SCALE,
     Trial,
     chosen_together,
@@ -28,8 +29,8 @@ __all__ = ["torn_apart", "trials_again"]
 # A connected piece lies in one place. Of a region in several, those count that have so much of its
 # area; smaller ones are noise of its border.
 TORN = 0.1
-# Poses change the area of a piece by up to a third; where less than half of it is left a piece
-# can only lie somewhere else.
+# Poses change the area of a piece by up to a third; where less than half of it is left, cracks
+# between the others not counted, it can only lie somewhere else.
 ROOM = 0.5
 # What pieces that are right together cover in all: the whole, and a tenth that they may overlap.
 ALL = 1.1
@@ -139,7 +140,7 @@ class _SoFar:
         asked = self._asked.setdefault(first.piece, [])
         if (
             not (taken & first.candidate.core).any()
-            or float(self._areas @ ~full) < ROOM * size
+            or float(self._areas @ first.partition.core(~full, MARGIN)) < ROOM * size
             or any(float(self._areas @ (taken ^ each)) < SAME * size for each in asked)
         ):
             return

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from sherd.arrays import Floats
+from sherd.arrays import Bools, Floats
 from sherd.correspondence.confidence import LEAST, MOST
 from sherd.errors import InfeasibleError
 from sherd.mesh.sides import bulge
@@ -25,6 +25,7 @@ from sherd.scan.intake import Intake
 from sherd.surface.template import Template
 
 __all__ = [
+    "MARGIN",
     "SCORE_SCALE",
     "Trial",
     "chosen_together",
@@ -142,7 +143,46 @@ def chosen_together(
     for k, c in enumerate(choice.candidates.tolist()):
         if c >= 0:
             chosen[k] = own[k][c].with_chance(judged[k][c].chance)
-    return chosen, choice.energy
+    found = {
+        k: trial.with_chance(
+            _chance_of_places(
+                judged[k][int(choice.candidates[k])],
+                judged[k],
+                [other.candidate.core for i, other in chosen.items() if i != k],
+                areas,
+            )
+        )
+        for k, trial in chosen.items()
+    }
+    return found, choice.energy
+
+
+def _chance_of_places(
+    best: Candidate, candidates: Sequence[Candidate], taken: Sequence[Bools], areas: Floats
+) -> float:
+    """The chance of the best of the places where a piece may lie, of which one at most is right.
+
+    Odds against lying nowhere are o = p / (1 - p), so it is o / (1 + o + o'), o' being those of the
+    likeliest other place that is not taken.
+    """
+    occupied = np.logical_or.reduce([np.zeros(len(areas), dtype=bool), *taken])
+    odds = [
+        _odds(each.chance)
+        for each in candidates
+        if _is_another(best.region, each.region)
+        and areas @ (each.core & occupied) <= CLASH * (areas @ each.core)
+    ]
+    return _odds(best.chance) / (1.0 + _odds(best.chance) + max(odds, default=0.0))
+
+
+def _odds(chance: float) -> float:
+    return chance / (1.0 - chance)  # a chance is never 1
+
+
+def _is_another(region: Bools, other: Bools) -> bool:
+    """Whether two regions (n,) have so little in common that they are two places."""
+    both, either = np.count_nonzero(region & other), np.count_nonzero(region | other)
+    return bool(both < ANOTHER * either)
 
 
 def clashes(trials: Sequence[Trial], areas: Floats) -> dict[int, set[int]]:
@@ -204,8 +244,7 @@ def trials_of(piece: int, placed: PlacedPart, partition: Partition) -> list[Tria
     chance = trial_chance(placed.chance, placed.best.score)
     found = [trial_at(piece, placed, partition, chance)]
     best, other = placed.best, placed.other
-    union = float(np.count_nonzero(best.mask | other.mask))
-    if np.count_nonzero(best.mask & other.mask) < ANOTHER * union:
+    if _is_another(best.mask, other.mask):
         less = float(np.exp((other.score - best.score) / SCORE_SCALE))
         swapped = replace(placed, best=other, other=best)
         found.append(trial_at(piece, swapped, partition, chance * less))
