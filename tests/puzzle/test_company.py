@@ -35,6 +35,16 @@ def test_a_piece_that_meets_others_along_half_of_its_border_is_judged_as_before(
     assert judged[0][0].chance == 0.1
 
 
+def test_what_lies_on_another_piece_closes_no_hole() -> None:
+    """Two left hands at one wrist: both meet the arm, and neither is the surer for it."""
+    around = [[candidate(0.0, 0.4, 0.95)], [candidate(0.6, 1.0, 0.95)]]
+    hands = [[candidate(0.4, 0.6, 0.7)], [candidate(0.4, 0.6, 0.6)]]
+    choice, judged = choice_in_company([*hands, *around], AREAS)
+    assert choice.candidates.tolist() == [0, -1, 0, 0]
+    assert judged[0][0].chance > 0.9
+    assert judged[1][0].chance == 0.6
+
+
 def test_of_two_places_the_one_whose_borders_fit_is_taken() -> None:
     around = [[candidate(0.0, 0.3, 0.95)], [candidate(0.5, 0.7, 0.95)]]
     torn = [candidate(0.75, 0.95, 0.5), candidate(0.3, 0.5, 0.45)]

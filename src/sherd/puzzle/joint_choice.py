@@ -2,10 +2,11 @@
 
     E(c) = - sum_i s_i area(R_i)        s_i = (p_i - p_0) / (1 - p_0)
            + omega (sum_i |border R_i| - sum_{i < j} |border R_i and border R_j facing|)
-           + kappa sum_{i < j} max(s_i, s_j, 0) area(core R_i and core R_j)
+           + kappa sum_{i < j} max(s_i, s_j, 0) area(R_i and R_j)
 
 over the choice c of one candidate, with region R_i and chance p_i to be right, or none for each
-piece. It is the multi-phase Mumford-Shah energy
+piece. What two share is taken from their cores, which leave out a strip along the border where
+placements are inexact, as a share of the smaller one. It is the multi-phase Mumford-Shah energy
 
     E(u) = sum_i integral u_i f_i + (omega / 2) sum_i Per(u_i),    u_0 + u_1 + ... + u_k = 1
 
@@ -29,7 +30,7 @@ from scipy.sparse import csgraph
 from sherd.arrays import Bools, Floats, Ints
 from sherd.puzzle.border import Border, facing_lengths
 
-__all__ = ["LEAST_CHANCE", "Candidate", "Choice", "joint_choice", "shared_areas"]
+__all__ = ["LEAST_CHANCE", "Candidate", "Choice", "claimed_twice", "joint_choice", "shared_areas"]
 
 # Price of area that two pieces claim, over what the surer one gains by it. Above 1, so that what
 # lies wholly where a surer piece lies is refused; not far above, so that two sure scans may share
@@ -117,7 +118,7 @@ def joint_choice(
         cost -= OMEGA * facing_lengths([each.border for each in some])
         if not may_overlap:
             surest = np.maximum(np.maximum.outer(sure, sure), 0.0)
-            cost += KAPPA * surest * shared_areas([each.core for each in some], areas)
+            cost += KAPPA * surest * claimed_twice(some, areas)
         cost[owner[:, None] == owner[None, :]] = 0.0
     chosen = np.full(len(pieces), -1, dtype=np.int64)
     energy, proven = 0.0, True
@@ -139,6 +140,19 @@ def _gain(candidate: Candidate, areas: Floats) -> float:
     """What is gained by a candidate alone."""
     covered = float(areas @ candidate.region)
     return covered * _sureness(candidate) - OMEGA * candidate.border.length
+
+
+def claimed_twice(candidates: Sequence[Candidate], areas: Floats) -> Floats:
+    """(c, c) area of the smaller region that each two candidates claim: as much as of its core.
+
+    Cores alone would make it cheap to lay one hand on another: most of a finger is near its border.
+    """
+    cores = shared_areas([each.core for each in candidates], areas)
+    regions = np.array([float(areas @ each.region) for each in candidates])
+    own = np.diag(cores)
+    share = cores / np.maximum(np.minimum.outer(own, own), 1e-12)
+    claimed: Floats = np.minimum(share, 1.0) * np.minimum.outer(regions, regions)
+    return claimed
 
 
 def shared_areas(masks: Sequence[Bools], areas: Floats) -> Floats:
