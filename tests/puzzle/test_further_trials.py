@@ -36,7 +36,15 @@ def balls(full, *corners: int) -> list[Bools]:
     return found
 
 
-def trial(full, piece: int, region: Bools, chance: float, *, area: float | None = None) -> Trial:
+def trial(
+    full,
+    piece: int,
+    region: Bools,
+    chance: float,
+    *,
+    area: float | None = None,
+    score: float = 0.7,
+) -> Trial:
     """A piece that lies in a region; as large as that, if nothing is said, and connected."""
     mesh = full.placed
     size = float(mesh.vertex_areas @ region) if area is None else area
@@ -44,7 +52,7 @@ def trial(full, piece: int, region: Bools, chance: float, *, area: float | None 
         question=SimpleNamespace(
             part=SimpleNamespace(mesh=mesh.with_vertices(mesh.vertices * np.sqrt(size)))
         ),
-        best=SimpleNamespace(mask=region),
+        best=SimpleNamespace(mask=region, score=score),
     )
     border = border_of(mesh, mesh.vertices)  # a closed mesh has none
     return Trial(piece, placed, full.partition, Candidate(region, region, chance, border))
@@ -79,6 +87,23 @@ def test_the_loser_is_asked_where_the_winner_is_not_and_then_the_winner_without_
     again(full, [trial(full, 0, front, 0.9), trial(full, 1, front, 0.6)])
     assert [piece for piece, _ in asked] == [1, 0]
     assert all(np.array_equal(taken, front) for _, taken in asked)
+
+
+@pytest.mark.parametrize(("score", "moves"), [(0.6, True), (0.8, False)])
+def test_the_winner_is_asked_too_if_the_loser_fits_worse_where_it_went(
+    full, monkeypatch, score, moves
+) -> None:
+    """Two hooves: the surer one has the place of the other, which is content with its place."""
+    front, rear = balls(full, 1, -1)
+    asked = []
+
+    def elsewhere(template, first, taken, stages) -> list[Trial]:
+        asked.append(first.piece)
+        return [trial(full, 1, rear, 0.85, score=score)] if first.piece == 1 else []
+
+    monkeypatch.setattr(further_trials, "_elsewhere", elsewhere)
+    again(full, [trial(full, 0, front, 0.95), trial(full, 1, front, 0.9)])
+    assert asked == ([1, 0] if moves else [1])
 
 
 def test_for_a_piece_that_would_not_be_placed_nobody_moves(full, asked) -> None:

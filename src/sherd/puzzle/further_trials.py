@@ -52,11 +52,11 @@ def trials_again(
     Large ones come first; what is chosen jointly of all trials so far is taken for the next piece.
     Each is tried where no other piece lies, if one lies where it would. A piece that is torn
     between two places is tried without either. Then the pieces that keep one from its place which
-    found none are tried without that place, as both may be right only together: those that have
-    all of it, and those in doubt that reach into it. At last what is in doubt or has no place is
-    tried where nothing lies by then, and what has one that leaves another a chance to be taken is
-    tried in the gaps: a left leg on the right one's place, which is missing. Nothing is asked
-    twice, nor where there is no room for it.
+    found none, or a worse one, are tried without that place, as both may be right only together:
+    those that have all of it, and those in doubt that reach into it. At last what is in doubt or
+    has no place is tried where nothing lies by then, and what has one that leaves another a chance
+    to be taken is tried in the gaps: a left leg on the right one's place, which is missing. Nothing
+    is asked twice, nor where there is no room for it.
 
     Parameters
     ----------
@@ -84,7 +84,7 @@ def trials_again(
             so_far.ask(first, others, place)
     for loser in by_size:
         chosen = so_far.chosen()
-        if not _room_for_all([loser, *chosen.values()]):
+        if not _room_for_all({**chosen, loser.piece: loser}.values()):
             continue
         for winner in sorted(_winners(loser, chosen, areas)):
             so_far.ask(alone[winner], so_far.without(winner)[1], loser.candidate.core)
@@ -202,16 +202,19 @@ def torn_apart(mesh: TriangleMesh, mask: Bools) -> list[Bools]:
 
 
 def _winners(loser: Trial, chosen: Mapping[int, Trial], areas: Floats) -> set[int]:
-    """The pieces that have the place of a piece which would be placed there, and is nowhere.
+    """The pieces that have the place of one which lies nowhere, or fits worse where it lies now.
 
     Or reach into it and are in doubt: what slid along a limb has the end of its neighbor's place.
     """
-    if loser.piece in chosen or loser.chance < LEAST_CHANCE:
+    own = chosen.get(loser.piece)
+    lost = own is None or own.placed.best.score < loser.placed.best.score
+    if not lost or loser.chance < LEAST_CHANCE:
         return set()
-    winners = clashes([loser, *chosen.values()], areas).get(loser.piece, set())
+    others = {piece: trial for piece, trial in chosen.items() if piece != loser.piece}
+    winners = clashes([loser, *others.values()], areas).get(loser.piece, set())
     return winners | {
         piece
-        for piece, trial in chosen.items()
+        for piece, trial in others.items()
         if trial.chance < SURE and (trial.candidate.core & loser.candidate.core).any()
     }
 
