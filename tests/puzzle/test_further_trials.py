@@ -99,6 +99,7 @@ def test_the_winner_is_asked_too_if_the_loser_fits_worse_where_it_went(
 
     def elsewhere(template, first, taken, stages) -> list[Trial]:
         asked.append(first.piece)
+        assert np.array_equal(taken, front)  # the rear, where 1 went, may be where 0 belongs
         return [trial(full, 1, rear, 0.85, score=score)] if first.piece == 1 else []
 
     monkeypatch.setattr(further_trials, "_elsewhere", elsewhere)

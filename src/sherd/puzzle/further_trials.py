@@ -87,7 +87,9 @@ def trials_again(
         if not _room_for_all({**chosen, loser.piece: loser}.values()):
             continue
         for winner in sorted(_winners(loser, chosen, areas)):
-            so_far.ask(alone[winner], so_far.without(winner)[1], loser.candidate.core)
+            # as if the loser lay there: where it went meanwhile may be the winner's place
+            others = [each for each in so_far.without(winner)[1] if each.piece != loser.piece]
+            so_far.ask(alone[winner], [*others, loser])
     for first in by_size:
         own, others = so_far.without(first.piece)
         if own is None or own.chance < SURE:
