@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import numpy as np
 import pytest
 
-from sherd.puzzle.border import met_share
+from sherd.puzzle.border import facing_lengths
 from sherd.puzzle.company import choice_in_company
 from sherd.puzzle.joint_choice import joint_choice
 
@@ -29,7 +28,8 @@ def test_a_piece_that_closes_a_hole_is_placed_though_it_looks_like_nothing() -> 
 def test_a_piece_that_meets_others_along_half_of_its_border_is_judged_as_before() -> None:
     beside = [candidate(0.0, 0.4, 0.95)]
     odd = candidate(0.4, 0.6, 0.1)
-    assert met_share(odd.border, [beside[0].border]) < 0.5
+    met = facing_lengths([odd.border, beside[0].border])[0, 1]
+    assert met < 0.5 * odd.border.length
     choice, judged = choice_in_company([[odd], beside], AREAS)
     assert choice.candidates.tolist() == [-1, 0]
     assert judged[0][0].chance == 0.1
@@ -57,11 +57,3 @@ def test_no_chance_is_lowered_and_none_is_certain() -> None:
     around = [[candidate(0.0, 0.4, 0.995)], [candidate(0.6, 1.0, 0.995)]]
     _, judged = choice_in_company([[candidate(0.4, 0.6, 0.995)], *around], AREAS)
     assert [some[0].chance for some in judged] == pytest.approx([0.995] * 3)
-
-
-def test_what_faces_two_borders_is_counted_once() -> None:
-    border = candidate(0.4, 0.6, 1.0).border
-    left = candidate(0.0, 0.4, 1.0).border
-    assert met_share(border, [left, left]) == met_share(border, [left])
-    assert met_share(border, []) == 0.0
-    assert np.isfinite(met_share(border, [border]))

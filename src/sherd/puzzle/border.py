@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -19,7 +19,6 @@ __all__ = [
     "BorderFit",
     "border_of",
     "facing_lengths",
-    "met_share",
     "nearest_borders",
 ]
 
@@ -160,14 +159,6 @@ def facing_lengths(borders: Sequence[Border]) -> Floats:
                 found[here, there] = float(border.weights @ _faced(border, other))
     lengths: Floats = 0.5 * (found + found.T)
     return lengths
-
-
-def met_share(border: Border, others: Iterable[Border]) -> float:
-    """The share of a border's length that faces any of the others; 0 if it has none."""
-    met: Bools = np.zeros(len(border.positions), dtype=bool)
-    for other in others:
-        met |= _faced(border, other)
-    return float(border.weights @ met) / max(border.length, 1e-12)
 
 
 def _faced(border: Border, other: Border) -> Bools:

@@ -21,8 +21,7 @@ import numpy as np
 
 from sherd.arrays import Floats
 from sherd.correspondence.confidence import MOST
-from sherd.puzzle.border import met_share
-from sherd.puzzle.joint_choice import Candidate, Choice, joint_choice
+from sherd.puzzle.joint_choice import Candidate, Choice, Ties, choice_among, ties_of
 
 __all__ = ["choice_in_company"]
 
@@ -47,37 +46,31 @@ def choice_in_company(
     pieces, areas, may_overlap
         As in :func:`sherd.puzzle.joint_choice.joint_choice`.
     """
-    choice = joint_choice(pieces, areas, may_overlap=may_overlap)
-    judged = [list(some) for some in pieces]
+    ties = ties_of(pieces, areas)
+    chances = ties.chances
+    choice = choice_among(ties, chances, may_overlap=may_overlap)
     for _ in range(ROUNDS):
         before = choice
-        judged = _judged(pieces, before, areas)
-        choice = joint_choice(judged, areas, may_overlap=may_overlap)
+        chances = _chances_among(ties, before)
+        choice = choice_among(ties, chances, may_overlap=may_overlap)
         if np.array_equal(choice.candidates, before.candidates):
             break
+    judged = [list(some) for some in pieces]
+    for piece, number, chance in zip(ties.owner, ties.number, chances.tolist(), strict=True):
+        judged[piece][number] = replace(judged[piece][number], chance=chance)
     return choice, judged
 
 
-def _judged(
-    pieces: Sequence[Sequence[Candidate]], choice: Choice, areas: Floats
-) -> list[list[Candidate]]:
-    """The candidates with their chances among the chosen ones of other pieces."""
-    chosen = {k: pieces[k][int(c)] for k, c in enumerate(choice.candidates) if c >= 0}
-    return [
-        [_among(each, [other for k, other in chosen.items() if k != piece], areas) for each in some]
-        for piece, some in enumerate(pieces)
-    ]
-
-
-def _among(candidate: Candidate, others: Sequence[Candidate], areas: Floats) -> Candidate:
-    """The candidate with its chance among these of other pieces."""
-    met = met_share(candidate.border, [other.border for other in others])
-    if met <= BY_CHANCE:
-        return candidate
-    core = areas * candidate.core
-    taken = np.logical_or.reduce([other.core for other in others])
-    lies_on = float(core @ taken) / max(float(core.sum()), 1e-12)
-    more = WEIGHT * max(met - lies_on - BY_CHANCE, 0.0)
-    odds = np.exp(more) * candidate.chance / (1.0 - candidate.chance)
+def _chances_among(ties: Ties, choice: Choice) -> Floats:
+    """The chances (c,) of the candidates among the chosen ones of other pieces."""
+    chosen = np.flatnonzero(ties.number == choice.candidates[ties.owner])
+    other = ties.owner[:, None] != ties.owner[None, chosen]
+    met = (ties.facing[:, chosen] * other).sum(axis=1) / np.maximum(ties.lengths, 1e-12)
+    own = np.maximum(np.diag(ties.cores), 1e-12)
+    lies_on = (ties.cores[:, chosen] * other).sum(axis=1) / own
+    # where two borders are near both are counted, but no more than all of it is met
+    more = WEIGHT * np.maximum(np.minimum(met, 1.0) - lies_on - BY_CHANCE, 0.0)
+    odds = np.exp(more) * ties.chances / (1.0 - ties.chances)
     # what was sure alone is no less so
-    return replace(candidate, chance=max(candidate.chance, min(float(odds / (1.0 + odds)), MOST)))
+    chances: Floats = np.maximum(ties.chances, np.minimum(odds / (1.0 + odds), MOST))
+    return chances

@@ -30,7 +30,16 @@ from scipy.sparse import csgraph
 from sherd.arrays import Bools, Floats, Ints
 from sherd.puzzle.border import Border, facing_lengths
 
-__all__ = ["LEAST_CHANCE", "Candidate", "Choice", "claimed_twice", "joint_choice", "shared_areas"]
+__all__ = [
+    "LEAST_CHANCE",
+    "Candidate",
+    "Choice",
+    "Ties",
+    "choice_among",
+    "joint_choice",
+    "shared_areas",
+    "ties_of",
+]
 
 # Price of area that two pieces claim, over what the surer one gains by it. Above 1, so that what
 # lies wholly where a surer piece lies is refused; not far above, so that two sure scans may share
@@ -90,6 +99,65 @@ class Choice:
     proven: bool
 
 
+@dataclass(frozen=True, eq=False)
+class Ties:
+    """What the candidates of all pieces have to do with each other, whatever their chances.
+
+    Attributes
+    ----------
+    count
+        Of pieces.
+    owner, number
+        (c,) the piece of each candidate, and which of its candidates it is.
+    chances
+        (c,) of the candidates as they came.
+    regions, lengths
+        (c,) area of each region and length of its border.
+    facing
+        (c, c) length along which two borders face each other.
+    cores
+        (c, c) area that two cores have in common; on the diagonal that of one.
+    """
+
+    count: int
+    owner: Ints
+    number: Ints
+    chances: Floats
+    regions: Floats
+    lengths: Floats
+    facing: Floats
+    cores: Floats
+
+    @property
+    def claimed_twice(self) -> Floats:
+        """(c, c) area of the smaller region that two claim: as much of it as of its core.
+
+        Cores alone would make it cheap to lay one hand on another: most of a finger is near its
+        border.
+        """
+        own = np.diag(self.cores)
+        share = self.cores / np.maximum(np.minimum.outer(own, own), 1e-12)
+        claimed: Floats = np.minimum(share, 1.0) * np.minimum.outer(self.regions, self.regions)
+        return claimed
+
+
+def ties_of(pieces: Sequence[Sequence[Candidate]], areas: Floats) -> Ties:
+    """The ties of the candidates of each piece; `areas` (n,) are of the full shape's vertices."""
+    flat = [(k, c) for k, some in enumerate(pieces) for c in range(len(some))]
+    some = [pieces[k][c] for k, c in flat]
+    pairs = np.array(flat, dtype=np.int64).reshape(-1, 2)
+    return Ties(
+        count=len(pieces),
+        owner=pairs[:, 0],
+        number=pairs[:, 1],
+        chances=np.array([each.chance for each in some]),
+        regions=np.array([float(areas @ each.region) for each in some]),
+        lengths=np.array([each.border.length for each in some]),
+        facing=facing_lengths([each.border for each in some]),
+        cores=shared_areas([each.core for each in some], areas),
+    )
+
+
 def joint_choice(
     pieces: Sequence[Sequence[Candidate]], areas: Floats, *, may_overlap: bool = False
 ) -> Choice:
@@ -103,56 +171,34 @@ def joint_choice(
         (n,) of the vertices of the full shape.
     may_overlap
         Whether a place may be used twice at no price.
+    """
+    ties = ties_of(pieces, areas)
+    return choice_among(ties, ties.chances, may_overlap=may_overlap)
+
+
+def choice_among(ties: Ties, chances: Floats, *, may_overlap: bool = False) -> Choice:
+    """The choice of least energy by these chances (c,) of the candidates.
 
     Notes
     -----
     Branch and bound, piece after piece by descending gain, in groups that share places: exact.
     """
-    flat = [(k, c) for k, some in enumerate(pieces) for c in range(len(some))]
-    owner = np.array([k for k, _ in flat], dtype=np.int64)
-    some = [pieces[k][c] for k, c in flat]
-    sure = np.array([_sureness(each) for each in some])
-    gain = np.array([_gain(each, areas) for each in some])
-    cost = np.zeros((len(flat), len(flat)))
-    if some:
-        cost -= OMEGA * facing_lengths([each.border for each in some])
-        if not may_overlap:
-            surest = np.maximum(np.maximum.outer(sure, sure), 0.0)
-            cost += KAPPA * surest * claimed_twice(some, areas)
-        cost[owner[:, None] == owner[None, :]] = 0.0
-    chosen = np.full(len(pieces), -1, dtype=np.int64)
+    sure = (chances - LEAST_CHANCE) / (1 - LEAST_CHANCE)
+    gain = ties.regions * sure - OMEGA * ties.lengths
+    cost = -OMEGA * ties.facing
+    if not may_overlap:
+        surest = np.maximum(np.maximum.outer(sure, sure), 0.0)
+        cost = cost + KAPPA * surest * ties.claimed_twice
+    cost[ties.owner[:, None] == ties.owner[None, :]] = 0.0
+    chosen = np.full(ties.count, -1, dtype=np.int64)
     energy, proven = 0.0, True
-    for group in _groups(owner, cost, len(pieces)):
-        search = _Search(group, owner, gain, cost)
+    for group in _groups(ties.owner, cost, ties.count):
+        search = _Search(group, ties.owner, gain, cost)
         energy -= search.best_gain
         proven = proven and not search.broken_off
-        for number in search.best:
-            chosen[owner[number]] = flat[number][1]
+        for row in search.best:
+            chosen[ties.owner[row]] = ties.number[row]
     return Choice(chosen, energy, proven)
-
-
-def _sureness(candidate: Candidate) -> float:
-    """What its region gains by area, at most 1; that of the gap is 0."""
-    return (candidate.chance - LEAST_CHANCE) / (1 - LEAST_CHANCE)
-
-
-def _gain(candidate: Candidate, areas: Floats) -> float:
-    """What is gained by a candidate alone."""
-    covered = float(areas @ candidate.region)
-    return covered * _sureness(candidate) - OMEGA * candidate.border.length
-
-
-def claimed_twice(candidates: Sequence[Candidate], areas: Floats) -> Floats:
-    """(c, c) area of the smaller region that each two candidates claim: as much as of its core.
-
-    Cores alone would make it cheap to lay one hand on another: most of a finger is near its border.
-    """
-    cores = shared_areas([each.core for each in candidates], areas)
-    regions = np.array([float(areas @ each.region) for each in candidates])
-    own = np.diag(cores)
-    share = cores / np.maximum(np.minimum.outer(own, own), 1e-12)
-    claimed: Floats = np.minimum(share, 1.0) * np.minimum.outer(regions, regions)
-    return claimed
 
 
 def shared_areas(masks: Sequence[Bools], areas: Floats) -> Floats:
