@@ -11,14 +11,8 @@ from sherd.output import Stages
 from sherd.puzzle.answers import AssemblyQuestion, Decision, assembly_of
 from sherd.puzzle.borders import bordering, cut_apart
 from sherd.puzzle.further_trials import trials_again
-from sherd.puzzle.joint_choice import joint_choice
 from sherd.puzzle.partition import Partition
-from sherd.puzzle.trials import (
-    candidates_of,
-    chosen_trials,
-    rigid_trials,
-    trials_alone,
-)
+from sherd.puzzle.trials import chosen_together, rigid_trials, trials_alone
 from sherd.results.keywords import options_of
 from sherd.results.match_options import MatchOptions
 from sherd.results.puzzle.assemble_options import AssembleKeywords, AssembleOptions
@@ -111,16 +105,13 @@ def assemble(
     with stages("joint choice"):
         if options.rigid:
             trials = rigid_trials(trials, options.tolerance)
-        choice = joint_choice(
-            candidates_of(trials, len(intakes)),
-            template.placed.vertex_areas,
-            may_overlap=options.may_overlap,
+        chosen, energy = chosen_together(
+            trials, len(intakes), template.placed.vertex_areas, may_overlap=options.may_overlap
         )
-        chosen = chosen_trials(trials, choice)
     with stages("borders"):
         placed = {piece: trial.placed for piece, trial in chosen.items()}
         cut = not (options.may_overlap or options.rigid) and cut_apart(placed.values())
         if cut:
             placed = bordering(placed)
-    decision = Decision(trials, chosen, placed, impossible, choice.energy, cut)
+    decision = Decision(trials, chosen, placed, impossible, energy, cut)
     return assembly_of(AssemblyQuestion(template, intakes, partition, options), decision, stages)

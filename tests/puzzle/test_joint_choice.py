@@ -45,11 +45,15 @@ def energy(pieces: list[list[Candidate]], choice: tuple[int, ...]) -> float:
     chosen = [some[c] for some, c in zip(pieces, choice, strict=True) if c >= 0]
     areas = MESH.vertex_areas
     total = 0.0
-    for each in chosen:
-        sure = (each.chance - module.LEAST_CHANCE) / (1 - module.LEAST_CHANCE)
-        total += module.OMEGA * each.border.length - areas @ each.region * sure
+    sure = [(each.chance - module.LEAST_CHANCE) / (1 - module.LEAST_CHANCE) for each in chosen]
+    for each, gain in zip(chosen, sure, strict=True):
+        total += module.OMEGA * each.border.length - areas @ each.region * gain
     if chosen:
-        shared = np.triu(shared_areas([each.core for each in chosen], areas), 1).sum()
+        cores = shared_areas([each.core for each in chosen], areas)
+        regions = np.array([areas @ each.region for each in chosen])
+        share = cores / np.minimum.outer(np.diag(cores), np.diag(cores))
+        table = share * np.minimum.outer(regions, regions)
+        shared = np.triu(table * np.maximum(np.maximum.outer(sure, sure), 0.0), 1).sum()
         facing = np.triu(facing_lengths([each.border for each in chosen]), 1).sum()
         total += module.KAPPA * shared - module.OMEGA * facing
     return total
@@ -85,6 +89,22 @@ def test_what_lies_wholly_on_a_surer_piece_is_refused_unless_pieces_may_overlap(
     assert joint_choice(pieces, MESH.vertex_areas).candidates.tolist() == [-1, 0]
     both = joint_choice(pieces, MESH.vertex_areas, may_overlap=True)
     assert both.candidates.tolist() == [0, 0]
+
+
+def test_of_two_thin_pieces_in_one_place_one_is_refused() -> None:
+    """Their cores are a small part of them."""
+    thin, over = candidate(0.4, 0.6, 0.95), candidate(0.4, 0.6, 0.9)
+    areas = MESH.vertex_areas
+    assert areas @ thin.core < 0.5 * areas @ thin.region
+    around = [[candidate(0.0, 0.4, 0.95)], [candidate(0.6, 1.0, 0.95)]]
+    assert joint_choice([[thin], [over], *around], areas).candidates.tolist() == [0, -1, 0, 0]
+
+
+def test_doubtful_pieces_may_reach_into_each_other_and_a_sure_one_gives_nothing_up() -> None:
+    reaching = [candidate(0.4, 0.9, 0.45)]
+    doubtful, sure = [candidate(0.0, 0.6, 0.5)], [candidate(0.0, 0.6, 0.99)]
+    assert joint_choice([doubtful, reaching], MESH.vertex_areas).candidates.tolist() == [0, 0]
+    assert joint_choice([sure, reaching], MESH.vertex_areas).candidates.tolist() == [0, -1]
 
 
 def test_an_unlikely_piece_that_fills_a_hole_has_a_place_and_one_in_the_open_has_not() -> None:

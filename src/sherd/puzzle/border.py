@@ -4,15 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.spatial import cKDTree
 
-from sherd.arrays import Floats, Ints
+from sherd.arrays import Bools, Floats, Ints
 from sherd.mesh.topology import boundary_edges
 from sherd.mesh.triangle_mesh import TriangleMesh
 
-__all__ = ["REACH", "Border", "BorderFit", "border_of", "facing_lengths", "nearest_borders"]
+__all__ = [
+    "REACH",
+    "Border",
+    "BorderFit",
+    "border_of",
+    "facing_lengths",
+    "nearest_borders",
+]
 
 # Borders farther apart than this are of different cuts: twice the error of a bad border.
 REACH = 0.06
@@ -46,6 +54,11 @@ class Border:
     outward: Floats
     normals: Floats
     weights: Floats
+
+    @cached_property
+    def tree(self) -> cKDTree:
+        """Of its points."""
+        return cKDTree(self.positions)
 
     @property
     def length(self) -> float:
@@ -112,7 +125,6 @@ def border_of(mesh: TriangleMesh, positions: Floats) -> Border:
 
 def nearest_borders(borders: Sequence[Border]) -> list[BorderFit]:
     """For each border the nearest points of the others that face it."""
-    trees = [cKDTree(b.positions) if len(b.positions) else None for b in borders]
     found = []
     for here, border in enumerate(borders):
         rows = border.at_vertices
@@ -120,10 +132,10 @@ def nearest_borders(borders: Sequence[Border]) -> list[BorderFit]:
         piece = np.full(count, -1, dtype=np.int64)
         places = border.positions[rows].copy()
         best, gap = np.full(count, np.inf), np.full(count, np.inf)
-        for there, (other, tree) in enumerate(zip(borders, trees, strict=True)):
-            if there == here or tree is None or not count:
+        for there, other in enumerate(borders):
+            if there == here or not len(other.positions) or not count:
                 continue
-            found_at = tree.query(border.positions[rows], distance_upper_bound=REACH)
+            found_at = other.tree.query(border.positions[rows], distance_upper_bound=REACH)
             away, at = np.asarray(found_at[0]), np.asarray(found_at[1], dtype=np.int64)
             at = np.minimum(at, len(other.positions) - 1)
             facing = (border.outward[rows] * other.outward[at]).sum(axis=1) < FACING
@@ -140,21 +152,27 @@ def nearest_borders(borders: Sequence[Border]) -> list[BorderFit]:
 
 def facing_lengths(borders: Sequence[Border]) -> Floats:
     """(k, k) symmetric length along which each two borders face each other."""
-    trees = [cKDTree(border.positions) if len(border.positions) else None for border in borders]
     found = np.zeros((len(borders), len(borders)))
     for here, border in enumerate(borders):
-        rows = np.flatnonzero(border.weights)
-        for there, (other, tree) in enumerate(zip(borders, trees, strict=True)):
-            if there == here or tree is None or not len(rows):
-                continue
-            away, at = tree.query(border.positions[rows], distance_upper_bound=REACH)
-            near = np.flatnonzero(np.isfinite(away))
-            at, mine = np.asarray(at)[near], rows[near]
-            facing = (border.outward[mine] * other.outward[at]).sum(axis=1) < FACING
-            facing &= (border.normals[mine] * other.normals[at]).sum(axis=1) > SAME_SIDE
-            found[here, there] = float(border.weights[mine[facing]].sum())
+        for there, other in enumerate(borders):
+            if there != here:
+                found[here, there] = float(border.weights @ _faced(border, other))
     lengths: Floats = 0.5 * (found + found.T)
     return lengths
+
+
+def _faced(border: Border, other: Border) -> Bools:
+    """The points (p,) of a border that have the other one near, facing them."""
+    faced: Bools = np.zeros(len(border.positions), dtype=bool)
+    if not len(border.positions) or not len(other.positions):
+        return faced
+    away, at = other.tree.query(border.positions, distance_upper_bound=REACH)
+    near = np.flatnonzero(np.isfinite(away))
+    at = np.asarray(at)[near]
+    facing = (border.outward[near] * other.outward[at]).sum(axis=1) < FACING
+    facing &= (border.normals[near] * other.normals[at]).sum(axis=1) > SAME_SIDE
+    faced[near[facing]] = True
+    return faced
 
 
 def _faces_at(faces: Ints, edges: Ints) -> tuple[Ints, Ints]:

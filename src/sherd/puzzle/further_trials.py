@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import replace
 
 import numpy as np
 from scipy import sparse
@@ -13,12 +12,12 @@ from sherd.arrays import Bools, Floats
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.output import Stages
 from sherd.place import placed_part
-from sherd.puzzle.joint_choice import LEAST_CHANCE, joint_choice
+from sherd.puzzle.joint_choice import LEAST_CHANCE
 from sherd.puzzle.trials import (
+    MARGIN,
     SCORE_SCALE,
     Trial,
-    candidates_of,
-    chosen_trials,
+    chosen_together,
     clashes,
     trials_of,
 )
@@ -30,6 +29,14 @@ __all__ = ["torn_apart", "trials_again"]
 # A connected piece lies in one place. Of a region in several, those count that have so much of its
 # area; smaller ones are noise of its border.
 TORN = 0.1
+# Poses change the area of a piece by up to a third; where less than half of it is left, cracks
+# between the others not counted, it can only lie somewhere else.
+ROOM = 0.5
+# What pieces that are right together cover in all: the whole, and a tenth that they may overlap.
+ALL = 1.1
+# What is taken differs by less than a tenth of the piece: the strip along its border by which
+# placements are off. The same labels are left for its nodes then.
+SAME = 0.1
 
 
 def trials_again(
@@ -44,9 +51,12 @@ def trials_again(
 
     Large ones come first; what is chosen jointly of all trials so far is taken for the next piece.
     Each is tried where no other piece lies, if one lies where it would. A piece that is torn
-    between two places is tried without either. Then the pieces that have the place of one that
-    found none are tried elsewhere themselves, as both may be right only together. At last what has
-    no place is tried in the gap that is left, if that is not the one it was tried in before.
+    between two places is tried without either. Then the pieces that keep one from its place which
+    found none, or a worse one, are tried without that place, as both may be right only together:
+    those that have all of it, and those in doubt that reach into it. At last what is in doubt or
+    has no place is tried where nothing lies by then, and what has one that leaves another a chance
+    to be taken is tried in the gaps: a left leg on the right one's place, which is missing. Nothing
+    is asked twice, nor where there is no room for it.
 
     Parameters
     ----------
@@ -60,41 +70,84 @@ def trials_again(
         As in :func:`sherd.puzzle.joint_choice.joint_choice`.
     """
     areas = template.placed.vertex_areas
-    known = list(trials)
-
-    def choose() -> dict[int, Trial]:
-        choice = joint_choice(candidates_of(known, count), areas, may_overlap=may_overlap)
-        return chosen_trials(known, choice)
-
     alone: dict[int, Trial] = {}
     for trial in trials:
         alone.setdefault(trial.piece, trial)
     by_size = sorted(alone.values(), key=lambda each: -float(areas @ each.candidate.region))
-    tried: dict[int, Bools] = {}
+    so_far = _SoFar(template, trials, count, stages, may_overlap=may_overlap)
     for first in by_size:
-        chosen = choose()
-        own = chosen.pop(first.piece, None)
+        own, others = so_far.without(first.piece)
         if own is not None and own.chance >= SURE:
             continue
-        taken = _taken(chosen.values(), len(areas))
-        tried[first.piece] = taken
-        if _in_the_way(taken, first):
-            known += _elsewhere(template, first, taken, stages)
+        so_far.ask(first, others)
         for place in _torn_places(template.placed, first):
-            known += _elsewhere(template, first, taken | place, stages)
+            so_far.ask(first, others, place)
     for loser in by_size:
-        for winner in _winners(loser, choose(), areas):
-            chosen = choose()
-            chosen.pop(winner, None)
-            taken = _taken(chosen.values(), len(areas)) | loser.candidate.core
-            known += _elsewhere(template, alone[winner], taken, stages)
+        chosen = so_far.chosen()
+        if not _room_for_all({**chosen, loser.piece: loser}.values()):
+            continue
+        for winner in sorted(_winners(loser, chosen, areas)):
+            # as if the loser lay there: where it went meanwhile may be the winner's place
+            others = [each for each in so_far.without(winner)[1] if each.piece != loser.piece]
+            so_far.ask(alone[winner], [*others, loser])
     for first in by_size:
-        chosen = choose()
-        taken = _taken(chosen.values(), len(areas))
-        same = np.array_equal(taken, tried.get(first.piece, ~taken))
-        if first.piece not in chosen and not same and _in_the_way(taken, first):
-            known += _elsewhere(template, first, taken, stages)
-    return known[len(trials) :]
+        own, others = so_far.without(first.piece)
+        if own is None or own.chance < SURE:
+            so_far.ask(first, others)
+        if own is not None and own.chance < 1 - LEAST_CHANCE:
+            so_far.ask(first, others, own.candidate.core)
+    return so_far.known[len(trials) :]
+
+
+class _SoFar:
+    """The trials so far, and what was asked of each piece."""
+
+    def __init__(
+        self,
+        template: Template,
+        trials: Sequence[Trial],
+        count: int,
+        stages: Stages,
+        *,
+        may_overlap: bool,
+    ) -> None:
+        self.known = list(trials)
+        self._template, self._count, self._stages = template, count, stages
+        self._may_overlap = may_overlap
+        self._areas = template.placed.vertex_areas
+        self._asked: dict[int, list[Bools]] = {}
+
+    def chosen(self) -> dict[int, Trial]:
+        """By piece what is chosen jointly of all trials."""
+        return chosen_together(self.known, self._count, self._areas, may_overlap=self._may_overlap)[
+            0
+        ]
+
+    def without(self, piece: int) -> tuple[Trial | None, list[Trial]]:
+        """The chosen trial of a piece, None if it has no place, and those of the others."""
+        chosen = self.chosen()
+        own = chosen.pop(piece, None)
+        return own, list(chosen.values())
+
+    def ask(self, first: Trial, others: Sequence[Trial], place: Bools | None = None) -> None:
+        """Place a piece once more, where no other lies, and not at a place (n,) either.
+
+        Unless nothing is in its way, it has no room, or much the same was asked.
+        """
+        size = first.placed.question.part.mesh.area
+        taken = _taken(others, len(self._areas))
+        full = np.logical_or.reduce([taken, *(each.candidate.region for each in others)])
+        if place is not None:
+            taken, full = taken | place, full | place
+        asked = self._asked.setdefault(first.piece, [])
+        if (
+            not (taken & first.candidate.core).any()
+            or float(self._areas @ first.partition.core(~full, MARGIN)) < ROOM * size
+            or any(float(self._areas @ (taken ^ each)) < SAME * size for each in asked)
+        ):
+            return
+        asked.append(taken)
+        self.known += _elsewhere(self._template, first, taken, self._stages)
 
 
 def _taken(chosen: Iterable[Trial], count: int) -> Bools:
@@ -103,11 +156,6 @@ def _taken(chosen: Iterable[Trial], count: int) -> Bools:
     for trial in chosen:
         taken |= trial.candidate.core
     return taken
-
-
-def _in_the_way(taken: Bools, first: Trial) -> bool:
-    """Whether something taken (n,) lies where the piece would."""
-    return bool((taken & first.candidate.core).any())
 
 
 def _elsewhere(template: Template, first: Trial, taken: Bools, stages: Stages) -> list[Trial]:
@@ -121,7 +169,7 @@ def _elsewhere(template: Template, first: Trial, taken: Bools, stages: Stages) -
     loss = min(placed.best.score - old.best.score, 0.0)
     less = float(np.exp(loss / SCORE_SCALE))
     return [
-        replace(trial, chance=less * trial.chance)
+        trial.with_chance(less * trial.chance)
         for trial in trials_of(first.piece, placed, first.partition)
     ]
 
@@ -156,10 +204,26 @@ def torn_apart(mesh: TriangleMesh, mask: Bools) -> list[Bools]:
 
 
 def _winners(loser: Trial, chosen: Mapping[int, Trial], areas: Floats) -> set[int]:
-    """The pieces that have the place of a piece which would be placed there, and is nowhere."""
-    if loser.piece in chosen or loser.chance < LEAST_CHANCE:
+    """The pieces that have the place of one which lies nowhere, or fits worse where it lies now.
+
+    Or reach into it and are in doubt: what slid along a limb has the end of its neighbor's place.
+    """
+    own = chosen.get(loser.piece)
+    lost = own is None or own.placed.best.score < loser.placed.best.score
+    if not lost or loser.chance < LEAST_CHANCE:
         return set()
-    return clashes([loser, *chosen.values()], areas).get(loser.piece, set())
+    others = {piece: trial for piece, trial in chosen.items() if piece != loser.piece}
+    winners = clashes([loser, *others.values()], areas).get(loser.piece, set())
+    return winners | {
+        piece
+        for piece, trial in others.items()
+        if trial.chance < SURE and (trial.candidate.core & loser.candidate.core).any()
+    }
+
+
+def _room_for_all(trials: Iterable[Trial]) -> bool:
+    """Whether these pieces can all lie on the full shape, which has area 1, beside each other."""
+    return sum(trial.placed.question.part.mesh.area for trial in trials) <= ALL
 
 
 def _on_mesh(template: Template, free: Bools) -> Bools:

@@ -1,18 +1,21 @@
 """Which placement of each piece, or none: all pieces decided together.
 
-    E(c) = sum_i area(R_i) (p_0 - p_i) / (1 - p_0)
+    E(c) = - sum_i s_i area(R_i)        s_i = (p_i - p_0) / (1 - p_0)
            + omega (sum_i |border R_i| - sum_{i < j} |border R_i and border R_j facing|)
-           + kappa sum_{i < j} area(core R_i and core R_j)
+           + kappa sum_{i < j} max(s_i, s_j, 0) area(R_i and R_j)
 
 over the choice c of one candidate, with region R_i and chance p_i to be right, or none for each
-piece. It is the multi-phase Mumford-Shah energy
+piece. What two share is taken from their cores, which leave out a strip along the border where
+placements are inexact, as a share of the smaller one. It is the multi-phase Mumford-Shah energy
 
     E(u) = sum_i integral u_i f_i + (omega / 2) sum_i Per(u_i),    u_0 + u_1 + ... + u_k = 1
 
 for memberships that are constant on the candidates' regions and a gap, i = 0, at no price: what is
 no more likely to be right than p_0 is left out; a border against the gap is paid for, one that two
 pieces share only once, so a piece that fills a hole costs none; and a place that is used twice,
-where memberships cannot sum to 1, is paid for dearly.
+where memberships cannot sum to 1, is paid for with more than the surer of both gains there. Two
+that are hardly sure may reach into each other's places, as their borders are off; a sure one gives
+nothing up.
 """
 
 from __future__ import annotations
@@ -27,10 +30,20 @@ from scipy.sparse import csgraph
 from sherd.arrays import Bools, Floats, Ints
 from sherd.puzzle.border import Border, facing_lengths
 
-__all__ = ["LEAST_CHANCE", "Candidate", "Choice", "joint_choice", "shared_areas"]
+__all__ = [
+    "LEAST_CHANCE",
+    "Candidate",
+    "Choice",
+    "Ties",
+    "choice_among",
+    "joint_choice",
+    "shared_areas",
+    "ties_of",
+]
 
-# Price of area that two pieces claim. Above 1, so that a sure piece that lies wholly where a surer
-# one lies is refused; not far above, so that two sure scans may share two thirds of one.
+# Price of area that two pieces claim, over what the surer one gains by it. Above 1, so that what
+# lies wholly where a surer piece lies is refused; not far above, so that two sure scans may share
+# two thirds of one.
 KAPPA = 1.25
 # What a piece must reach for a place: foreign pieces on whole shapes had 0.27 and less, but for one
 # of five (0.52), right ones 0.25 and more, so borders and places taken must tell some apart.
@@ -86,6 +99,65 @@ class Choice:
     proven: bool
 
 
+@dataclass(frozen=True, eq=False)
+class Ties:
+    """What the candidates of all pieces have to do with each other, whatever their chances.
+
+    Attributes
+    ----------
+    count
+        Of pieces.
+    owner, number
+        (c,) the piece of each candidate, and which of its candidates it is.
+    chances
+        (c,) of the candidates as they came.
+    regions, lengths
+        (c,) area of each region and length of its border.
+    facing
+        (c, c) length along which two borders face each other.
+    cores
+        (c, c) area that two cores have in common; on the diagonal that of one.
+    """
+
+    count: int
+    owner: Ints
+    number: Ints
+    chances: Floats
+    regions: Floats
+    lengths: Floats
+    facing: Floats
+    cores: Floats
+
+    @property
+    def claimed_twice(self) -> Floats:
+        """(c, c) area of the smaller region that two claim: as much of it as of its core.
+
+        Cores alone would make it cheap to lay one hand on another: most of a finger is near its
+        border.
+        """
+        own = np.diag(self.cores)
+        share = self.cores / np.maximum(np.minimum.outer(own, own), 1e-12)
+        claimed: Floats = np.minimum(share, 1.0) * np.minimum.outer(self.regions, self.regions)
+        return claimed
+
+
+def ties_of(pieces: Sequence[Sequence[Candidate]], areas: Floats) -> Ties:
+    """The ties of the candidates of each piece; `areas` (n,) are of the full shape's vertices."""
+    flat = [(k, c) for k, some in enumerate(pieces) for c in range(len(some))]
+    some = [pieces[k][c] for k, c in flat]
+    pairs = np.array(flat, dtype=np.int64).reshape(-1, 2)
+    return Ties(
+        count=len(pieces),
+        owner=pairs[:, 0],
+        number=pairs[:, 1],
+        chances=np.array([each.chance for each in some]),
+        regions=np.array([float(areas @ each.region) for each in some]),
+        lengths=np.array([each.border.length for each in some]),
+        facing=facing_lengths([each.border for each in some]),
+        cores=shared_areas([each.core for each in some], areas),
+    )
+
+
 def joint_choice(
     pieces: Sequence[Sequence[Candidate]], areas: Floats, *, may_overlap: bool = False
 ) -> Choice:
@@ -99,36 +171,34 @@ def joint_choice(
         (n,) of the vertices of the full shape.
     may_overlap
         Whether a place may be used twice at no price.
+    """
+    ties = ties_of(pieces, areas)
+    return choice_among(ties, ties.chances, may_overlap=may_overlap)
+
+
+def choice_among(ties: Ties, chances: Floats, *, may_overlap: bool = False) -> Choice:
+    """The choice of least energy by these chances (c,) of the candidates.
 
     Notes
     -----
     Branch and bound, piece after piece by descending gain, in groups that share places: exact.
     """
-    flat = [(k, c) for k, some in enumerate(pieces) for c in range(len(some))]
-    owner = np.array([k for k, _ in flat], dtype=np.int64)
-    some = [pieces[k][c] for k, c in flat]
-    gain = np.array([_gain(each, areas) for each in some])
-    cost = np.zeros((len(flat), len(flat)))
-    if some:
-        cost -= OMEGA * facing_lengths([each.border for each in some])
-        if not may_overlap:
-            cost += KAPPA * shared_areas([each.core for each in some], areas)
-        cost[owner[:, None] == owner[None, :]] = 0.0
-    chosen = np.full(len(pieces), -1, dtype=np.int64)
+    sure = (chances - LEAST_CHANCE) / (1 - LEAST_CHANCE)
+    gain = ties.regions * sure - OMEGA * ties.lengths
+    cost = -OMEGA * ties.facing
+    if not may_overlap:
+        surest = np.maximum(np.maximum.outer(sure, sure), 0.0)
+        cost = cost + KAPPA * surest * ties.claimed_twice
+    cost[ties.owner[:, None] == ties.owner[None, :]] = 0.0
+    chosen = np.full(ties.count, -1, dtype=np.int64)
     energy, proven = 0.0, True
-    for group in _groups(owner, cost, len(pieces)):
-        search = _Search(group, owner, gain, cost)
+    for group in _groups(ties.owner, cost, ties.count):
+        search = _Search(group, ties.owner, gain, cost)
         energy -= search.best_gain
         proven = proven and not search.broken_off
-        for number in search.best:
-            chosen[owner[number]] = flat[number][1]
+        for row in search.best:
+            chosen[ties.owner[row]] = ties.number[row]
     return Choice(chosen, energy, proven)
-
-
-def _gain(candidate: Candidate, areas: Floats) -> float:
-    """What is gained by a candidate alone."""
-    sure = (candidate.chance - LEAST_CHANCE) / (1 - LEAST_CHANCE)
-    return float(areas @ candidate.region) * sure - OMEGA * candidate.border.length
 
 
 def shared_areas(masks: Sequence[Bools], areas: Floats) -> Floats:

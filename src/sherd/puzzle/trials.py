@@ -4,18 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 
-from sherd.arrays import Floats
+from sherd.arrays import Bools, Floats
 from sherd.correspondence.confidence import LEAST, MOST
 from sherd.errors import InfeasibleError
 from sherd.mesh.sides import bulge
 from sherd.output import Stages
 from sherd.place import PlacedPart, placed_part
 from sherd.puzzle.border import border_of
-from sherd.puzzle.joint_choice import Candidate, Choice, shared_areas
+from sherd.puzzle.company import choice_in_company
+from sherd.puzzle.joint_choice import Candidate, shared_areas
 from sherd.puzzle.partition import Partition
 from sherd.puzzle.rigid import RigidMotion, rigidly_placed
 from sherd.results.advice import SURE
@@ -25,10 +25,10 @@ from sherd.scan.intake import Intake
 from sherd.surface.template import Template
 
 __all__ = [
+    "MARGIN",
     "SCORE_SCALE",
     "Trial",
-    "candidates_of",
-    "chosen_trials",
+    "chosen_together",
     "clashes",
     "rigid_trials",
     "trial_chance",
@@ -67,8 +67,8 @@ class Trial:
         The placement, the best of both.
     partition
         Of the full shape, which knows how deep a vertex lies in a region.
-    chance
-        That it is right.
+    candidate
+        Its region, the core of it, its border and its chance to be right.
     motion
         What brings a rigid piece there; None if it is not rigid.
     """
@@ -76,15 +76,31 @@ class Trial:
     piece: int
     placed: PlacedPart
     partition: Partition
-    chance: float
+    candidate: Candidate
     motion: RigidMotion | None = None
 
-    @cached_property
-    def candidate(self) -> Candidate:
-        """Its region, the core of it, and the chance."""
-        region = self.placed.best.mask
-        border = border_of(self.placed.question.part.mesh, self.placed.best.deformation.positions)
-        return Candidate(region, self.partition.core(region, MARGIN), self.chance, border)
+    @property
+    def chance(self) -> float:
+        """That it is right."""
+        return self.candidate.chance
+
+    def with_chance(self, chance: float) -> Trial:
+        """The same place, held to be as likely."""
+        return replace(self, candidate=replace(self.candidate, chance=chance))
+
+
+def trial_at(
+    piece: int,
+    placed: PlacedPart,
+    partition: Partition,
+    chance: float,
+    motion: RigidMotion | None = None,
+) -> Trial:
+    """A piece placed once, with what it would claim."""
+    best = placed.best
+    border = border_of(placed.question.part.mesh, best.deformation.positions)
+    core = partition.core(best.mask, MARGIN)
+    return Trial(piece, placed, partition, Candidate(best.mask, core, chance, border), motion)
 
 
 def trials_alone(
@@ -107,17 +123,66 @@ def trials_alone(
     return found, refused
 
 
-def candidates_of(trials: Sequence[Trial], count: int) -> list[list[Candidate]]:
-    """The candidates of each of `count` pieces, in the order of the trials."""
-    return [[trial.candidate for trial in trials if trial.piece == k] for k in range(count)]
+def chosen_together(
+    trials: Sequence[Trial], count: int, areas: Floats, *, may_overlap: bool = False
+) -> tuple[dict[int, Trial], float]:
+    """By piece the trial that is chosen jointly, with its chance among the others; and the energy.
 
-
-def chosen_trials(trials: Sequence[Trial], choice: Choice) -> dict[int, Trial]:
-    """By piece the trial that was chosen; refused pieces have none."""
-    own = {
-        k: [trial for trial in trials if trial.piece == k] for k in range(len(choice.candidates))
+    Parameters
+    ----------
+    trials
+        Of `count` pieces; those that are refused have none in the answer.
+    areas, may_overlap
+        As in :func:`sherd.puzzle.joint_choice.joint_choice`.
+    """
+    own = [[trial for trial in trials if trial.piece == k] for k in range(count)]
+    choice, judged = choice_in_company(
+        [[trial.candidate for trial in some] for some in own], areas, may_overlap=may_overlap
+    )
+    chosen = {}
+    for k, c in enumerate(choice.candidates.tolist()):
+        if c >= 0:
+            chosen[k] = own[k][c].with_chance(judged[k][c].chance)
+    found = {
+        k: trial.with_chance(
+            _chance_of_places(
+                judged[k][int(choice.candidates[k])],
+                judged[k],
+                [other.candidate.core for i, other in chosen.items() if i != k],
+                areas,
+            )
+        )
+        for k, trial in chosen.items()
     }
-    return {k: own[k][int(c)] for k, c in enumerate(choice.candidates) if c >= 0}
+    return found, choice.energy
+
+
+def _chance_of_places(
+    best: Candidate, candidates: Sequence[Candidate], taken: Sequence[Bools], areas: Floats
+) -> float:
+    """The chance of the best of the places where a piece may lie, of which one at most is right.
+
+    Odds against lying nowhere are o = p / (1 - p), so it is o / (1 + o + o'), o' being those of the
+    likeliest other place that is not taken.
+    """
+    occupied = np.logical_or.reduce([np.zeros(len(areas), dtype=bool), *taken])
+    odds = [
+        _odds(each.chance)
+        for each in candidates
+        if _is_another(best.region, each.region)
+        and areas @ (each.core & occupied) <= CLASH * (areas @ each.core)
+    ]
+    return _odds(best.chance) / (1.0 + _odds(best.chance) + max(odds, default=0.0))
+
+
+def _odds(chance: float) -> float:
+    return chance / (1.0 - chance)  # a chance is never 1
+
+
+def _is_another(region: Bools, other: Bools) -> bool:
+    """Whether two regions (n,) have so little in common that they are two places."""
+    both, either = np.count_nonzero(region & other), np.count_nonzero(region | other)
+    return bool(both < ANOTHER * either)
 
 
 def clashes(trials: Sequence[Trial], areas: Floats) -> dict[int, set[int]]:
@@ -170,18 +235,17 @@ def rigid_trials(trials: Sequence[Trial], tolerance: float) -> list[Trial]:
     for trial in trials:
         placed, motion, share = rigidly_placed(trial.placed, tolerance)
         chance = trial.chance * share
-        found.append(replace(trial, placed=placed, chance=chance, motion=motion))
+        found.append(trial_at(trial.piece, placed, trial.partition, chance, motion))
     return found
 
 
 def trials_of(piece: int, placed: PlacedPart, partition: Partition) -> list[Trial]:
     """The placement, and the other one if it is another place."""
     chance = trial_chance(placed.chance, placed.best.score)
-    found = [Trial(piece, placed, partition, chance)]
+    found = [trial_at(piece, placed, partition, chance)]
     best, other = placed.best, placed.other
-    union = float(np.count_nonzero(best.mask | other.mask))
-    if np.count_nonzero(best.mask & other.mask) < ANOTHER * union:
+    if _is_another(best.mask, other.mask):
         less = float(np.exp((other.score - best.score) / SCORE_SCALE))
         swapped = replace(placed, best=other, other=best)
-        found.append(Trial(piece, swapped, partition, chance * less))
+        found.append(trial_at(piece, swapped, partition, chance * less))
     return found

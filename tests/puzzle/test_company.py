@@ -1,0 +1,59 @@
+"""Borders as evidence: what closes a hole belongs there, and an open border says nothing."""
+
+from __future__ import annotations
+
+import pytest
+
+from sherd.puzzle.border import facing_lengths
+from sherd.puzzle.company import choice_in_company
+from sherd.puzzle.joint_choice import joint_choice
+
+from .test_joint_choice import MESH, candidate
+
+AREAS = MESH.vertex_areas
+
+
+def test_a_piece_that_closes_a_hole_is_placed_though_it_looks_like_nothing() -> None:
+    around = [[candidate(0.0, 0.4, 0.95)], [candidate(0.6, 1.0, 0.95)]]
+    odd = [candidate(0.4, 0.6, 0.1)]
+    assert joint_choice([odd, *around], AREAS).candidates.tolist() == [-1, 0, 0]
+    choice, judged = choice_in_company([odd, *around], AREAS)
+    assert choice.candidates.tolist() == [0, 0, 0]
+    assert judged[0][0].chance > 0.2
+    alone, judged = choice_in_company([odd], AREAS)
+    assert alone.candidates.tolist() == [-1]
+    assert judged[0][0].chance == 0.1
+
+
+def test_a_piece_that_meets_others_along_half_of_its_border_is_judged_as_before() -> None:
+    beside = [candidate(0.0, 0.4, 0.95)]
+    odd = candidate(0.4, 0.6, 0.1)
+    met = facing_lengths([odd.border, beside[0].border])[0, 1]
+    assert met < 0.5 * odd.border.length
+    choice, judged = choice_in_company([[odd], beside], AREAS)
+    assert choice.candidates.tolist() == [-1, 0]
+    assert judged[0][0].chance == 0.1
+
+
+def test_what_lies_on_another_piece_closes_no_hole() -> None:
+    """Two left hands at one wrist: both meet the arm, and neither is the surer for it."""
+    around = [[candidate(0.0, 0.4, 0.95)], [candidate(0.6, 1.0, 0.95)]]
+    hands = [[candidate(0.4, 0.6, 0.7)], [candidate(0.4, 0.6, 0.6)]]
+    choice, judged = choice_in_company([*hands, *around], AREAS)
+    assert choice.candidates.tolist() == [0, -1, 0, 0]
+    assert judged[0][0].chance > 0.9
+    assert judged[1][0].chance == 0.6
+
+
+def test_of_two_places_the_one_whose_borders_fit_is_taken() -> None:
+    around = [[candidate(0.0, 0.3, 0.95)], [candidate(0.5, 0.7, 0.95)]]
+    torn = [candidate(0.75, 0.95, 0.5), candidate(0.3, 0.5, 0.45)]
+    assert joint_choice([torn, *around], AREAS).candidates.tolist()[1:] == [0, 0]
+    choice, _ = choice_in_company([torn, *around], AREAS)
+    assert choice.candidates.tolist() == [1, 0, 0]
+
+
+def test_no_chance_is_lowered_and_none_is_certain() -> None:
+    around = [[candidate(0.0, 0.4, 0.995)], [candidate(0.6, 1.0, 0.995)]]
+    _, judged = choice_in_company([[candidate(0.4, 0.6, 0.995)], *around], AREAS)
+    assert [some[0].chance for some in judged] == pytest.approx([0.995] * 3)
