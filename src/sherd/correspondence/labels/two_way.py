@@ -118,7 +118,9 @@ def two_way_labelings(
     starts = _led(problems, *map(proposed_anchors, problems, start))
     for share in STARTING_PRICES:
         # nodes that the other shape lacks then neither say where others lie nor take their places
-        priced = [each.priced(share * energy) for each, energy in zip(problems, chance, strict=True)]
+        priced = [
+            each.priced(share * energy) for each, energy in zip(problems, chance, strict=True)
+        ]
         starts += _led(problems, *(proposed_anchors(each, first_labeling(each)) for each in priced))
     tried = [_agreed(problems, chance, begun, inside=1.0) for begun in starts]
     for left in LEFT:
