@@ -30,7 +30,6 @@ from sherd.correspondence.shared.hints import (
     pins_on,
 )
 from sherd.correspondence.shared.judgment import (
-    MIRROR_CHANCE,
     mirror_is_better,
     overlap_chance,
     shared_confidence,
@@ -181,9 +180,8 @@ def shared_by(
             for side, place in enumerate(placements)
         )
         curve = strain_curve(questions, placements)
-    chance = overlap_chance(labelings.agreement, labelings.first_ratio, questions, placements)
-    twin = mirror_is_better(labelings.first_ratio, mirrored_ratio())
-    chance = min(chance, MIRROR_CHANCE) if twin else chance
+    mirrored = mirrored_ratio()
+    chance = overlap_chance(labelings, mirrored, questions, placements)
     result = Overlap(
         first=intakes[0].original,
         second=intakes[1].original,
@@ -204,7 +202,7 @@ def shared_by(
         chance=chance,
         shared=all(bool(each.matched.any()) for each in maps),
         checked=result.check().passed,
-        twin=twin,
+        twin=mirror_is_better(labelings.first_ratio, mirrored),
         scale_bound=scale if estimate.at_bound else None,
         scale_rival=None if estimate.rival is None else options.factor * estimate.rival,
         unfollowed=unfollowed_pairs(

@@ -74,6 +74,9 @@ class TwoLabelings:
     agreement
         Of the nodes that were worth their price, the share that both directions agree on:
         geometric mean of both, so that one direction alone proves nothing.
+    worth
+        What the nodes that are kept save against chance, less what is missing, over their area:
+        1 is perfect, and below 0 more is missing than is found.
     first_ratio
         Energy of a first labeling, which has only similar places to choose from, over that by
         chance, near 1 where nothing is alike; of the better direction, as a piece that lies within
@@ -86,6 +89,7 @@ class TwoLabelings:
     backward_agrees: Bools
     chance: Both[float]
     agreement: float
+    worth: float
     first_ratio: float
 
 
@@ -131,8 +135,12 @@ def two_way_labelings(
             for each in tried
         ]
     best = max(tried, key=_worth)
-    agreement = _agreement(best)
-    return TwoLabelings(*best.found, *best.agrees, chance, agreement, min(ratios))
+    kept = sum(
+        float(node_areas(problem)[agrees].sum())
+        for problem, agrees in zip(problems, best.agrees, strict=True)
+    )
+    worth = best.saved / kept if kept > 0 else 0.0
+    return TwoLabelings(*best.found, *best.agrees, chance, _agreement(best), worth, min(ratios))
 
 
 def _led(problems: Both[Problem], one: Labeling, other: Labeling) -> list[Both[Labeling]]:

@@ -7,7 +7,7 @@ from scipy.spatial import cKDTree
 
 from sherd.arrays import Floats, Ints
 from sherd.correspondence.confidence import LEAST, MOST, confidences
-from sherd.correspondence.labels.two_way import Both
+from sherd.correspondence.labels.two_way import Both, TwoLabelings
 from sherd.correspondence.question import Question
 from sherd.correspondence.shared.region_cut import shared_region
 from sherd.correspondence.shared.two_way_placement import SharedPlacement, sharing_cost
@@ -19,7 +19,6 @@ from sherd.results.advice import UnfollowedLandmark
 from sherd.results.overlap_result import StrainCurve
 
 __all__ = [
-    "MIRROR_CHANCE",
     "mirror_is_better",
     "overlap_chance",
     "shared_confidence",
@@ -45,15 +44,12 @@ APART, LEAST_APART, LARGEST_APART = 0.01, 0.002, 0.05
 # Strain, cost and likeness inside told nothing more. All this was with one start of the labels and
 # a price of half of chance; of eight foreign pairs asked since, one is above (a cat on a lion, as
 # before).
-CHANCE_COEFFICIENTS = (-1.9, 7.0, -4.9, -1.9)
-
+CHANCE_COEFFICIENTS = (-5.5, 5.6, 1.2, -4.2, 21.5)
 
 # Of 25 pairs of cuts that share something the mirror image was better by 0.04 at most but for one
 # (0.28), where a fifth is shared and the rest is the other leg; of five pairs of legs of both sides
-# of a horse it was better by 0.07 to 0.32.
+# of a horse it was better by 0.07 to 0.32. So beyond this it is named as what speaks against.
 MIRROR_MARGIN = 0.06
-# So one in six of such answers was right.
-MIRROR_CHANCE = 0.15
 
 
 def shared_confidence(part: TriangleMesh, queries: Queries, place: SharedPlacement) -> Floats:
@@ -81,20 +77,28 @@ def shared_confidence(part: TriangleMesh, queries: Queries, place: SharedPlaceme
 
 
 def overlap_chance(
-    agreement: float,
-    first_ratio: float,
+    labelings: TwoLabelings,
+    mirrored_ratio: float,
     questions: Both[Question],
     placements: Both[SharedPlacement],
 ) -> float:
     """The chance that an overlap is right: `1 / (1 + exp(-features @ coefficients))`.
 
-    Kept inside [0.005, 0.995]. The features are what both directions agree on, how alike it is (see
-    :class:`sherd.correspondence.labels.two_way.TwoLabelings`), and the logarithm of how far apart
-    the directions were, on average over what is shared, before they were drawn together.
+    Kept inside [0.005, 0.995]. The features: what both directions agree on, and what that is worth
+    (see :class:`sherd.correspondence.labels.two_way.TwoLabelings`); the logarithm of how far apart
+    the directions were, on average over what is shared, before they were drawn together; and by
+    how much the shapes are more alike than one is the mirror image of the other.
     """
     apart = 0.5 * (_apart(questions[0], placements[0]) + _apart(questions[1], placements[1]))
-    width = float(np.log(np.clip(apart, LEAST_APART, LARGEST_APART) / APART))
-    features = np.array([1.0, agreement, first_ratio, width])
+    features = np.array(
+        [
+            1.0,
+            labelings.agreement,
+            float(np.clip(labelings.worth, -1.0, 1.0)),
+            float(np.log(np.clip(apart, LEAST_APART, LARGEST_APART) / APART)),
+            mirrored_ratio - labelings.first_ratio,
+        ]
+    )
     raw = 1.0 / (1.0 + np.exp(-features @ np.array(CHANCE_COEFFICIENTS)))
     return float(np.clip(raw, LEAST, MOST))
 
