@@ -30,6 +30,7 @@ from sherd.correspondence.shared.hints import (
     pins_on,
 )
 from sherd.correspondence.shared.judgment import (
+    MIRROR_CHANCE,
     mirror_is_better,
     overlap_chance,
     shared_confidence,
@@ -182,6 +183,8 @@ def shared_by(
         curve = strain_curve(questions, placements)
     mirrored = mirrored_ratio()
     chance = overlap_chance(labelings, mirrored, questions, placements)
+    twin = mirror_is_better(labelings.first_ratio, mirrored)
+    chance = min(chance, MIRROR_CHANCE) if twin else chance
     result = Overlap(
         first=intakes[0].original,
         second=intakes[1].original,
@@ -202,7 +205,7 @@ def shared_by(
         chance=chance,
         shared=all(bool(each.matched.any()) for each in maps),
         checked=result.check().passed,
-        twin=mirror_is_better(labelings.first_ratio, mirrored),
+        twin=twin,
         scale_bound=scale if estimate.at_bound else None,
         scale_rival=None if estimate.rival is None else options.factor * estimate.rival,
         unfollowed=unfollowed_pairs(

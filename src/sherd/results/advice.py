@@ -167,8 +167,7 @@ class OverlapDoubts:
     checked
         Whether the answer passes the check that is re-derived from the meshes.
     twin
-        Whether the mirror image of one shape is more alike the other: says why a chance is low,
-        which knows of it.
+        Whether the mirror image of one shape is more alike the other.
     scale_bound
         The scale, if it stands at its bound.
     scale_rival
@@ -193,6 +192,7 @@ class OverlapDoubts:
         doubtful = (
             self.chance < SURE
             or not self.checked
+            or self.twin
             or self.scale_bound is not None
             or self.scale_rival is not None
             or self.unfollowed
@@ -214,7 +214,7 @@ class OverlapDoubts:
             )
         if not self.checked:
             said.append("areas, or there and back, do not agree; look at both shapes in the report")
-        if self.twin and self.chance < SURE:
+        if self.twin:
             said.append(
                 "the mirror image of one is more alike the other, as a left limb and a right one "
                 "are; look at both, or give landmarks"
