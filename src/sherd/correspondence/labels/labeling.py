@@ -11,9 +11,8 @@ shape, and as a hint of them.
 
 Where the full shape may lack what the part has, a node may be placed nowhere, at the price of the
 problem; each edge between a placed node and one placed nowhere then costs its weight, the length
-of boundary that it crosses, and edges between two such nodes nothing. Where the label is farther
-from the full shape's cut than the edge is long, the full shape has the other end too: such an edge
-may cost more.
+of boundary that it crosses, and edges between two such nodes nothing. It may cost more where the
+full shape goes on: where the label is farther from its cut than the edge is long.
 """
 
 from __future__ import annotations
@@ -130,9 +129,9 @@ class Problem:
 
     def priced(self, price: float, *, inside: float = 1.0) -> Problem:
         """The same problem with nowhere among the labels; what was computed of it is shared."""
-        known = {name: getattr(self, name) for name in ("peaks", "most_similar", "turns")}
         problem = replace(self, price=price, inside=inside)
-        problem.__dict__.update(known)  # where cached properties are kept
+        for name in ("peaks", "most_similar", "turns"):  # kept where cached properties are
+            problem.__dict__[name] = getattr(self, name)
         return problem
 
     @cached_property
@@ -298,12 +297,8 @@ def _with_nowhere(
     weight *= np.where(measures.length < LOCAL_LENGTH, 1.0, FAR_BOUNDARY)
     wider = np.zeros((len(costs), count + 1, count + 1), dtype=np.float32)
     wider[:, :count, :count] = costs
-    depth = problem.label_depth[labels]
-    for end, side in (
-        (problem.edges[:, 0], wider[:, :count, count]),
-        (problem.edges[:, 1], wider[:, count, :count]),
-    ):
-        goes_on = depth[end] > measures.length[:, None]
+    for end, side in enumerate((wider[:, :count, count], wider[:, count, :count])):
+        goes_on = problem.label_depth[labels[problem.edges[:, end]]] > measures.length[:, None]
         side[:] = weight[:, None] * np.where(goes_on, problem.inside, 1.0)
     price = np.full((len(unary), 1), problem.price, dtype=np.float32)
     return wider, np.concatenate([unary, price], axis=1)
