@@ -181,8 +181,9 @@ def shared_by(
             for side, place in enumerate(placements)
         )
         curve = strain_curve(questions, placements)
-    chance = overlap_chance(labelings.agreement, labelings.first_ratio, questions, placements)
-    twin = mirror_is_better(labelings.first_ratio, mirrored_ratio())
+    mirrored = mirrored_ratio()
+    chance = overlap_chance(labelings, mirrored, questions, placements)
+    twin = mirror_is_better(labelings.first_ratio, mirrored)
     chance = min(chance, MIRROR_CHANCE) if twin else chance
     result = Overlap(
         first=intakes[0].original,

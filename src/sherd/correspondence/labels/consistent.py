@@ -24,7 +24,7 @@ from sherd.correspondence.labels.labeling import (
     unary_cost,
 )
 
-__all__ = ["consistent_nodes", "node_areas", "node_costs"]
+__all__ = ["consistent_nodes", "missing_area", "node_areas", "node_costs"]
 
 # Lengths in conflict differ by more than two sigma, where a limit says "wrong" and not more.
 SIGMAS = 2.0
@@ -125,6 +125,23 @@ def _as_good_as_best(groups: Ints, costs: Floats, worth: Floats, areas: Floats) 
     best = int(np.bincount(groups[inside], worth[inside], minlength=count).argmax())
     good: Bools = inside & (mean[np.maximum(groups, 0)] <= MOST_COST * mean[best])
     return good
+
+
+def missing_area(problem: Problem, kept: Labeling) -> float:
+    """Area of what the full shape must have too, by the nodes that are kept, and is not found.
+
+    A node that is not kept lies beside one that is: if the label of that one is farther from the
+    full shape's cut than the two are apart, the full shape has the node's place. Two shapes that
+    were cut from one whole both have it, so something is wrong there: what is shared ends where
+    either shape does. Where one limb is laid on another it ends anywhere.
+    """
+    inside, outside = np.flatnonzero(kept.placed), np.flatnonzero(~kept.placed)
+    if len(inside) == 0 or len(outside) == 0:
+        return 0.0
+    apart = problem.nodes.between[np.ix_(outside, inside)]
+    nearest = inside[apart.argmin(axis=1)]
+    missing = problem.label_depth[kept.labels[nearest]] > apart.min(axis=1)
+    return float(node_areas(problem)[outside[missing]].sum())
 
 
 def node_areas(problem: Problem) -> Floats:

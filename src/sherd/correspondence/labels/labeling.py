@@ -11,12 +11,13 @@ shape, and as a hint of them.
 
 Where the full shape may lack what the part has, a node may be placed nowhere, at the price of the
 problem; each edge between a placed node and one placed nowhere then costs its weight, the length
-of boundary that it crosses, and edges between two such nodes nothing.
+of boundary that it crosses, and edges between two such nodes nothing. It may cost more where the
+full shape goes on: where the label is farther from its cut than the edge is long.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -114,6 +115,8 @@ class Problem:
         (k, s) bool, labels that a hint rules out.
     price
         What it costs to place a node nowhere; infinite if all must be placed.
+    inside
+        How many times its weight an edge to nowhere costs where the full shape goes on.
     """
 
     question: Question
@@ -122,6 +125,14 @@ class Problem:
     measures: EdgeMeasures
     forbidden: Bools
     price: float = np.inf
+    inside: float = 1.0
+
+    def priced(self, price: float, *, inside: float = 1.0) -> Problem:
+        """The same problem with nowhere among the labels; what was computed of it is shared."""
+        problem = replace(self, price=price, inside=inside)
+        for name in ("peaks", "most_similar", "turns"):  # kept where cached properties are
+            problem.__dict__[name] = getattr(self, name)
+        return problem
 
     @cached_property
     def nodes(self) -> Samples:
@@ -158,6 +169,12 @@ class Problem:
     def node_depth(self) -> Floats:
         """(k,) distance of each node to the cut."""
         depth: Floats = self.question.part.cut_distance[self.nodes.vertices]
+        return depth
+
+    @cached_property
+    def label_depth(self) -> Floats:
+        """(s,) distance of each label to the cut of the full shape; infinite if it has none."""
+        depth: Floats = self.question.full.cut_distance[self.labels.vertices]
         return depth
 
     @cached_property
@@ -240,7 +257,7 @@ def solve(
     pointers = np.searchsorted(ends[order], np.arange(count + 1))
     placed = np.ones(count, dtype=bool)
     if np.isfinite(problem.price):
-        open_costs, open_unary = _with_nowhere(problem, costs, unary)
+        open_costs, open_unary = _with_nowhere(problem, labels, costs, unary)
         chosen, energy = pass_messages(edges, open_costs, open_unary, pointers, incident, ROUNDS)
         placed = chosen < labels.shape[1]
         chosen = _best_guesses(chosen, edges, costs, unary, placed)
@@ -271,14 +288,18 @@ def pair_costs(problem: Problem, labels: Ints, rotations: Floats) -> Singles:
     return costs
 
 
-def _with_nowhere(problem: Problem, costs: Singles, unary: Singles) -> tuple[Singles, Singles]:
+def _with_nowhere(
+    problem: Problem, labels: Ints, costs: Singles, unary: Singles
+) -> tuple[Singles, Singles]:
     """Costs (e, c + 1, c + 1) and (k, c + 1) with one candidate more: nowhere."""
     measures, count = problem.measures, unary.shape[1]
     weight = np.where(np.isfinite(measures.length), measures.weight, 0.0)
     weight *= np.where(measures.length < LOCAL_LENGTH, 1.0, FAR_BOUNDARY)
     wider = np.zeros((len(costs), count + 1, count + 1), dtype=np.float32)
     wider[:, :count, :count] = costs
-    wider[:, :count, count] = wider[:, count, :count] = weight[:, None]
+    for end, side in enumerate((wider[:, :count, count], wider[:, count, :count])):
+        goes_on = problem.label_depth[labels[problem.edges[:, end]]] > measures.length[:, None]
+        side[:] = weight[:, None] * np.where(goes_on, problem.inside, 1.0)
     price = np.full((len(unary), 1), problem.price, dtype=np.float32)
     return wider, np.concatenate([unary, price], axis=1)
 

@@ -1,12 +1,13 @@
 """Two incomplete shapes labeled there and back, each node with a label or nowhere.
 
-Each direction is labeled alone first, once as if the other shape were full and once with nowhere
-as a label. What both shapes have then often lies right in one direction only: a piece that lies
+Each direction is labeled alone first, as if the other shape were full and with nowhere as a label.
+What both shapes have then often lies right in one direction only: a piece that lies
 within the other shape finds its place, while the other shape, most of which the piece lacks, lies
-anywhere, consistent with itself, and does not follow. So there are four starts: either direction,
-labeled either way, leads, and its inverse is the start of the other. Then both are labeled again,
-each with what the other says among its candidates. After a round the start is kept whose nodes
-save most against chance, in both directions together, and goes on.
+anywhere, consistent with itself, and does not follow. So there are several starts: either
+direction, labeled any way, leads, and its inverse is the start of the other. Then both are labeled
+again, each with what the other says among its candidates. Those starts go on whose nodes
+save most against chance, in both directions together, less what is missing: where a shape goes
+on beside what is shared, and the other one does too, they must share that as well.
 
 Nowhere costs half of what a node costs where nothing belongs together: the nodes are given each
 other's similarities, which leaves shapes, cuts and likeness what they are and only mixes up what
@@ -25,13 +26,17 @@ from sherd.arrays import Bools
 from sherd.correspondence.labels.anchors import (
     candidates_again,
     chance_energy,
-    find_anchors,
     first_labeling,
     proposed_anchors,
 )
-from sherd.correspondence.labels.consistent import consistent_nodes, node_areas, node_costs
+from sherd.correspondence.labels.consistent import (
+    consistent_nodes,
+    missing_area,
+    node_areas,
+    node_costs,
+)
 from sherd.correspondence.labels.inverse import closing_nodes, inverse_labeling, inverse_labels
-from sherd.correspondence.labels.labeling import NOWHERE_COST, Labeling, Problem, solve
+from sherd.correspondence.labels.labeling import LIMIT, NOWHERE_COST, Labeling, Problem, solve
 
 __all__ = ["Both", "TwoLabelings", "two_way_labelings"]
 
@@ -40,8 +45,12 @@ __all__ = ["Both", "TwoLabelings", "two_way_labelings"]
 # SMAL), so half of these go nowhere. At 0.65 more of them stay, and more of what is wrong: of 24
 # pairs of cuts the mean error was 2.1 instead of 1.1.
 PRICE_SHARE = 0.5
-# One round to hear of the other direction, two to follow what both agree on.
-ROUNDS = 3
+# Prices that starts are found with, besides none: at half of chance half of what two species share
+# goes nowhere, so a start has little to hold on to; what a higher price lets in that is wrong goes
+# in the rounds, in which it is half again.
+STARTING_PRICES = (PRICE_SHARE, 0.7)
+# After a round to hear of the other direction so many starts go on, then one.
+LEFT = (3, 1)
 # What a node that counts as evidence may cost, as a share of chance: half of the price. A right one
 # costs a fifth on average, one on a wrong limb a third.
 WORTH_SHARE = 0.25
@@ -65,6 +74,9 @@ class TwoLabelings:
     agreement
         Of the nodes that were worth their price, the share that both directions agree on:
         geometric mean of both, so that one direction alone proves nothing.
+    worth
+        What the nodes that are kept save against chance, less what is missing, over their area:
+        1 is perfect, and below 0 more is missing than is found.
     first_ratio
         Energy of a first labeling, which has only similar places to choose from, over that by
         chance, near 1 where nothing is alike; of the better direction, as a piece that lies within
@@ -77,6 +89,7 @@ class TwoLabelings:
     backward_agrees: Bools
     chance: Both[float]
     agreement: float
+    worth: float
     first_ratio: float
 
 
@@ -106,37 +119,28 @@ def two_way_labelings(
     chance = (chance_energy(forward, rngs[0]), chance_energy(backward, rngs[1]))
     start = (first_labeling(forward), first_labeling(backward))
     ratios = [one.energy / max(energy, 1e-12) for one, energy in zip(start, chance, strict=True)]
-    starts = [*_alone(problems, start), *_sparing(problems, chance)]
-    tried = [_agreed(problems, chance, begun) for begun in starts]
-    # where none saves anything, swapping the shapes must still swap what is chosen
-    best = max(tried, key=lambda each: (each.saved, -each.found[0].energy - each.found[1].energy))
-    for _ in range(ROUNDS - 1):
-        best = _agreed(problems, chance, best.found)
-    agreement = _agreement(best)
-    return TwoLabelings(*best.found, *best.agrees, chance, agreement, min(ratios))
-
-
-def _alone(problems: Both[Problem], start: Both[Labeling]) -> list[Both[Labeling]]:
-    """Starts from each direction labeled as if the other shape were full."""
-    one, other = (
-        find_anchors(problem, start=each) for problem, each in zip(problems, start, strict=True)
+    starts = _led(problems, *map(proposed_anchors, problems, start))
+    for share in STARTING_PRICES:
+        # nodes that the other shape lacks then neither say where others lie nor take their places
+        priced = [
+            each.priced(share * energy) for each, energy in zip(problems, chance, strict=True)
+        ]
+        starts += _led(problems, *(proposed_anchors(each, first_labeling(each)) for each in priced))
+    tried = [_agreed(problems, chance, begun, inside=1.0) for begun in starts]
+    for left in LEFT:
+        # where none saves anything, swapping the shapes must still swap what is chosen
+        tried = sorted(tried, key=_worth, reverse=True)[:left]
+        tried = [
+            max(each, _agreed(problems, chance, each.found, inside=LIMIT), key=_worth)
+            for each in tried
+        ]
+    best = max(tried, key=_worth)
+    kept = sum(
+        float(node_areas(problem)[agrees].sum())
+        for problem, agrees in zip(problems, best.agrees, strict=True)
     )
-    return _led(problems, one, other)
-
-
-def _sparing(problems: Both[Problem], chance: Both[float]) -> list[Both[Labeling]]:
-    """Starts from each direction labeled with nowhere from the beginning.
-
-    Nodes that the other shape lacks then neither say where others lie nor take their places.
-    """
-    one, other = (
-        proposed_anchors(priced, first_labeling(priced))
-        for priced in (
-            replace(problem, price=PRICE_SHARE * energy)
-            for problem, energy in zip(problems, chance, strict=True)
-        )
-    )
-    return _led(problems, one, other)
+    worth = best.saved / kept if kept > 0 else 0.0
+    return TwoLabelings(*best.found, *best.agrees, chance, _agreement(best), worth, min(ratios))
 
 
 def _led(problems: Both[Problem], one: Labeling, other: Labeling) -> list[Both[Labeling]]:
@@ -149,11 +153,17 @@ def _agreed(
     problems: Both[Problem],
     chance: Both[float],
     start: Both[Labeling],
+    *,
+    inside: float,
 ) -> _Agreed:
     """One round: both labeled again, each hearing of the other, and what can be true together."""
+    priced = [
+        problem.priced(PRICE_SHARE * energy, inside=inside)
+        for problem, energy in zip(problems, chance, strict=True)
+    ]
     found = (
-        _labeled_again(problems[0], PRICE_SHARE * chance[0], start[0], start[1]),
-        _labeled_again(problems[1], PRICE_SHARE * chance[1], start[1], start[0]),
+        _labeled_again(priced[0], start[0], start[1]),
+        _labeled_again(priced[1], start[1], start[0]),
     )
     closing = (
         closing_nodes(problems[0], found[0], found[1]),
@@ -169,9 +179,13 @@ def _agreed(
 
 
 def _saved(problem: Problem, kept: Labeling, chance: float) -> float:
-    """What the nodes that are kept cost less than by chance, as a share of it, times their area."""
+    """What the nodes that are kept cost less than by chance, as a share of it, times their area.
+
+    Less the area that is missing: it counts against as much as a perfect node counts for.
+    """
     less = 1.0 - node_costs(problem, kept) / max(chance, 1e-12)
-    return float(node_areas(problem)[kept.placed] @ less[kept.placed])
+    found = float(node_areas(problem)[kept.placed] @ less[kept.placed])
+    return found - missing_area(problem, kept)
 
 
 def _agreement(agreed: _Agreed) -> float:
@@ -187,6 +201,10 @@ def _only(labeling: Labeling, kept: Bools) -> Labeling:
     return replace(labeling, placed=kept, local_cost=cost)
 
 
-def _labeled_again(problem: Problem, price: float, own: Labeling, other: Labeling) -> Labeling:
+def _labeled_again(problem: Problem, own: Labeling, other: Labeling) -> Labeling:
     labels, rotations = candidates_again(problem, own, also=inverse_labels(problem, other))
-    return solve(replace(problem, price=price), labels, rotations)
+    return solve(problem, labels, rotations)
+
+
+def _worth(agreed: _Agreed) -> tuple[float, float]:
+    return agreed.saved, -agreed.found[0].energy - agreed.found[1].energy
