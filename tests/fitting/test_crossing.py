@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from sherd.fitting import turned_faces as turned_faces_module
 from sherd.fitting.as_rigid_as_possible import Elasticity, closest_rotations
 from sherd.fitting.crossing import without_new_crossings
 from sherd.fitting.deformation import Deformation
@@ -114,6 +117,32 @@ def test_a_turned_face_is_turned_back(fork) -> None:
     mended = without_turned_faces(elasticity, start)
     rotations = elasticity.fitted_rotations(mended.positions)
     assert not turned_faces(elasticity.rest, mended.positions, rotations, faces).any()
+
+
+def test_what_is_mended_is_not_let_go_farther_around(fork, monkeypatch) -> None:
+    """Of two places with turned faces only the one that stays turned is let go more widely."""
+    elasticity, seen = fork
+    rest, faces = elasticity.rest, elasticity.mesh.faces
+    asked = []
+
+    def mends_the_left(elasticity: Elasticity, found: Deformation, released: np.ndarray):
+        asked.append(released.copy())
+        mended = np.where(rest[:, :1] < 0, rest, found.positions)
+        return replace(found, positions=mended)
+
+    bad = rest.copy()
+    for side in (rest[:, 0] < 0, rest[:, 0] > 0):
+        limb = np.flatnonzero(~seen & side)
+        vertex = limb[np.argmin(np.abs(rest[limb, 2] - np.median(rest[limb, 2])))]
+        ring = np.unique(faces[(faces == vertex).any(axis=1)])
+        bad[vertex] += 3.0 * (bad[ring[ring != vertex][0]] - bad[vertex])
+    monkeypatch.setattr(turned_faces_module, "_with_same_rotations", mends_the_left)
+    monkeypatch.setattr(turned_faces_module, "without_data", mends_the_left)
+    without_turned_faces(elasticity, identity(elasticity, bad))
+    left = rest[:, 0] < 0
+    counts = np.array([[released[left].sum(), released[~left].sum()] for released in asked[:4]])
+    assert (counts[:, 0] == counts[0, 0]).all()
+    assert (np.diff(counts[:, 1]) > 0).all()
 
 
 def test_closest_rotations_are_proper_and_undo_stretching() -> None:

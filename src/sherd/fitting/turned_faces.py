@@ -14,8 +14,8 @@ from sherd.mesh.geometry import face_cross
 
 __all__ = ["turned_faces", "without_turned_faces"]
 
-# Rounds of releasing what is around turned faces; each doubles how far around.
-ROUNDS = 6
+# Rings of edges that are released around turned faces, wider where faces stay turned.
+RINGS = (1, 3, 6, 10, 15, 21)
 
 
 def turned_faces(rest: Floats, positions: Floats, rotations: Floats, faces: Ints) -> Bools:
@@ -51,16 +51,17 @@ def _with_fewest(
     now, best, fewest = found, found, -1
     faces = elasticity.mesh.faces
     released = np.zeros(len(found.positions), dtype=bool)
-    for step in range(ROUNDS):
+    for rings in (*RINGS, 0):
         rotations = elasticity.fitted_rotations(now.positions)
         turned = turned_faces(elasticity.rest, now.positions, rotations, faces)
         count = int(turned.sum())
         if fewest < 0 or count < fewest:
             best, fewest = now, count
-        if count == 0:
+        if count == 0 or rings == 0:
             break
-        released[faces[turned].ravel()] = True
-        released = with_rings(elasticity, released, step + 1)
+        around = np.zeros(len(released), dtype=bool)
+        around[faces[turned].ravel()] = True
+        released |= with_rings(elasticity, around, rings)
         now = without(elasticity, found, released)
     return best, fewest
 
