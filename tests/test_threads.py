@@ -105,7 +105,7 @@ def test_callers_that_are_all_busy_do_not_wait_for_each_other() -> None:
 def test_a_forked_child_makes_its_own_threads() -> None:
     code = (
         "import os, sys, numpy as np\n"
-        "from sherd.threads import begun, one_blas_thread, over_rows, set_thread_count\n"
+        "from sherd.threads import over_rows, set_thread_count\n"
         "set_thread_count(2)\n"
         "def kernel(rows, out): out[rows[0]:rows[1]] += 1\n"
         "def all_once():\n"
@@ -154,6 +154,7 @@ def blas_threads() -> set[int]:
 
 
 def test_blas_obeys_whoever_asks_while_others_live_that_asked_before() -> None:
+    finish_elsewhere()
     with threadpool_limits(2, user_api="blas"), ThreadPoolExecutor(1) as other:
 
         def seen() -> set[int]:

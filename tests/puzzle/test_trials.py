@@ -12,7 +12,7 @@ from .test_joint_choice import MESH, candidate
 
 def trial(piece: int, lies: Candidate) -> Trial:
     """A piece that lies there, wherever it came from."""
-    return Trial(piece, None, None, lies)  # type: ignore[arg-type]
+    return Trial(piece, None, None, lies)
 
 
 def chances(*trials: Trial) -> dict[int, float]:

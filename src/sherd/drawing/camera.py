@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError, cKDTree
@@ -10,7 +11,7 @@ from scipy.spatial import ConvexHull, QhullError, cKDTree
 from sherd.arrays import Bools, Floats
 from sherd.mesh.topology import half_edges
 from sherd.mesh.triangle_mesh import TriangleMesh
-from sherd.threads import begun
+from sherd.threads import side_by_side
 
 __all__ = ["View", "best_view", "orbit_view", "orientation", "upward"]
 
@@ -111,12 +112,7 @@ def best_view(mesh: TriangleMesh, region: Bools, up: Floats) -> View:
         for turn in turns
         for rotation in [orbit_view(up, principal + turn, elevation)]
     ]
-
-    def looked(some: list[tuple[float, Floats]]) -> list[tuple[float, float, float]]:
-        return [_seen_areas(mesh, marked, rotation, size) for _, rotation in some]
-
-    half = begun(lambda: looked(views[len(views) // 2 :]))
-    areas = looked(views[: len(views) // 2]) + half()
+    areas = side_by_side(partial(_seen_areas, mesh, marked, turned, size) for _, turned in views)
     for (liking, rotation), (seen, outline, visible) in zip(views, areas, strict=True):
         score = liking * (seen / total + 0.25 * outline / mesh.area)
         if score > best_score + 1e-12:

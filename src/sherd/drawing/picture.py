@@ -20,7 +20,7 @@ from sherd.errors import OptionError
 from sherd.limits import require_memory, require_whole
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.output import write_bytes
-from sherd.threads import begun
+from sherd.threads import side_by_side
 
 __all__ = ["Staging", "picture", "png_bytes", "stage", "without_heading", "write_picture"]
 
@@ -127,13 +127,12 @@ def picture(
         if exhibit.verdict is not None and not exhibit.verdict.trusted:
             below = (place[0], round(72 * unit))
             draw.text(below, exhibit.verdict.words, fill=AMBER, font=_font(26 * unit))
-    rendered = [
-        begun(partial(_rendered, panel, size, pixels))
-        for panel, pixels in zip(panels[1:], scales[1:], strict=True)
-    ]
-    rendered.insert(0, partial(_rendered, panels[0], size, scales[0]))
+    rendered = side_by_side(
+        partial(_rendered, panel, size, pixels)
+        for panel, pixels in zip(panels, scales, strict=True)
+    )
     for index, (panel, pixels) in enumerate(zip(panels, scales, strict=True)):
-        image.alpha_composite(rendered[index](), (index * size[0], top))
+        image.alpha_composite(rendered[index], (index * size[0], top))
         middle = (index * size[0] + size[0] // 2, top + size[1] + round(24 * unit))
         _write_caption(draw, panel, middle=middle, unit=unit, room=size[0])
         _draw_scale_bar(draw, panel, pixels, middle=middle, unit=unit)

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 import numpy as np
 
 from sherd.arrays import Bools, Floats, Ints
 from sherd.fitting.as_rigid_as_possible import Elasticity, closest_rotations
-from sherd.fitting.deformation import Deformation, with_rings, without_data
+from sherd.fitting.deformation import Deformation, corners_of, with_rings, without_data
 from sherd.fitting.self_intersection import intersecting_faces, intersecting_pairs
 from sherd.mesh.geometry import closest_rotation, face_areas, face_normals
 from sherd.mesh.topology import component_labels
@@ -72,13 +72,8 @@ def without_new_crossings(elasticity: Elasticity, found: Deformation, seen: Bool
         for share in SHARES:
             if not kept(turning(share)):
                 return best
-        now = best
-        for _ in range(ROUNDS):
-            pairs = _new_pairs(now.positions, faces, before)
-            if not len(pairs):
-                break
-            now = _pushed(elasticity, now, pairs, seen)
-            kept(now)
+        for step in _pushes(elasticity, best, before, seen):
+            kept(step)
     for rings in RINGS if len(least) else ():
         if not kept(_pushed_around(elasticity, best, least, before, rings)):
             break
@@ -89,9 +84,8 @@ def _released(
     elasticity: Elasticity, found: Deformation, pairs: Ints, seen: Bools, rings: int
 ) -> Deformation:
     """What was seen around crossings is no longer held; the rest stays where it is."""
-    released = np.zeros(len(seen), dtype=bool)
-    released[elasticity.mesh.faces[np.unique(pairs)].ravel()] = True
-    released = with_rings(elasticity, released & seen, rings)
+    crossing = corners_of(elasticity, np.unique(pairs)) & seen
+    released = with_rings(elasticity, crossing, rings)
     return without_data(elasticity, found, released)
 
 
@@ -137,26 +131,33 @@ def _pushed_around(
 ) -> Deformation:
     """Crossing surfaces pushed apart, seen or not; so many rings around them follow, no more."""
     faces = elasticity.mesh.faces
-    free = np.zeros(len(found.positions), dtype=bool)
-    free[faces[np.unique(pairs)].ravel()] = True
-    free = with_rings(elasticity, free, rings)
+    free = with_rings(elasticity, corners_of(elasticity, np.unique(pairs)), rings)
     patch = np.flatnonzero(free[faces].any(axis=1))
     used, corners = np.unique(faces[patch], return_inverse=True)
     corners = corners.reshape(-1, 3)
     local = Elasticity(TriangleMesh(elasticity.rest[used], corners))
-    best = now = Deformation(found.positions[used], found.rotations[used], found.sizes[used])
-    crossing = _new_pairs(now.positions, corners, before[patch])
-    fewest = len(np.unique(crossing))
-    for _ in range(ROUNDS):
-        if not len(crossing):
-            break
-        now = _pushed(local, now, crossing, ~free[used])
-        crossing = _new_pairs(now.positions, corners, before[patch])
-        if len(np.unique(crossing)) < fewest:
-            best, fewest = now, len(np.unique(crossing))
+    start = Deformation(found.positions[used], found.rotations[used], found.sizes[used])
+
+    def crossing(step: Deformation) -> int:
+        return len(np.unique(_new_pairs(step.positions, corners, before[patch])))
+
+    best = min((start, *_pushes(local, start, before[patch], ~free[used])), key=crossing)
     positions, rotations = found.positions.copy(), found.rotations.copy()
     positions[used], rotations[used] = best.positions, best.rotations
     return replace(found, positions=positions, rotations=rotations)
+
+
+def _pushes(
+    elasticity: Elasticity, found: Deformation, before: Bools, held: Bools
+) -> Iterator[Deformation]:
+    """Rounds in which what crosses is pushed apart; what is `held` (n,) stays."""
+    now = found
+    for _ in range(ROUNDS):
+        pairs = _new_pairs(now.positions, elasticity.mesh.faces, before)
+        if not len(pairs):
+            return
+        now = _pushed(elasticity, now, pairs, held)
+        yield now
 
 
 def _pushed(elasticity: Elasticity, now: Deformation, pairs: Ints, seen: Bools) -> Deformation:

@@ -8,7 +8,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from sherd.arrays import Bools, Floats
+from sherd.arrays import Bools, Floats, Ints
 from sherd.fitting.as_rigid_as_possible import Elasticity, closest_rotations
 from sherd.fitting.chance import distances_beyond
 from sherd.fitting.scan_surface import ScanSurface
@@ -25,6 +25,7 @@ __all__ = [
     "bent_deformation",
     "carried_up",
     "coarse_deformation",
+    "corners_of",
     "fine_deformation",
     "with_rings",
     "without_data",
@@ -174,6 +175,13 @@ def fine_deformation(
     for _ in range(FINE_ROUNDS):
         now = _onto_surface(elasticity, now, targets, scan)
     return now
+
+
+def corners_of(elasticity: Elasticity, faces: Bools | Ints) -> Bools:
+    """The vertices (n,) of some of the faces, a mask (m,) or numbers."""
+    marked = np.zeros(len(elasticity.rest), dtype=bool)
+    marked[elasticity.mesh.faces[faces].ravel()] = True
+    return marked
 
 
 def with_rings(elasticity: Elasticity, marked: Bools, rings: int) -> Bools:

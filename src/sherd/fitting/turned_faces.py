@@ -9,7 +9,13 @@ import numpy as np
 
 from sherd.arrays import Bools, Floats, Ints
 from sherd.fitting.as_rigid_as_possible import Elasticity
-from sherd.fitting.deformation import HOLD_LENGTH, Deformation, with_rings, without_data
+from sherd.fitting.deformation import (
+    HOLD_LENGTH,
+    Deformation,
+    corners_of,
+    with_rings,
+    without_data,
+)
 from sherd.mesh.geometry import face_cross
 
 __all__ = ["turned_faces", "without_turned_faces"]
@@ -48,22 +54,24 @@ def _with_fewest(
     without: Callable[[Elasticity, Deformation, Bools], Deformation],
 ) -> tuple[Deformation, int]:
     """The one with the fewest turned faces when more and more is let go, and how many there are."""
-    now, best, fewest = found, found, -1
-    faces = elasticity.mesh.faces
+    turned = _turned(elasticity, found)
+    best, fewest = found, int(turned.sum())
     released = np.zeros(len(found.positions), dtype=bool)
-    for rings in (*RINGS, 0):
-        rotations = elasticity.fitted_rotations(now.positions)
-        turned = turned_faces(elasticity.rest, now.positions, rotations, faces)
-        count = int(turned.sum())
-        if fewest < 0 or count < fewest:
-            best, fewest = now, count
-        if count == 0 or rings == 0:
+    for rings in RINGS:
+        if not turned.any():
             break
-        around = np.zeros(len(released), dtype=bool)
-        around[faces[turned].ravel()] = True
-        released |= with_rings(elasticity, around, rings)
+        released |= with_rings(elasticity, corners_of(elasticity, turned), rings)
         now = without(elasticity, found, released)
+        turned = _turned(elasticity, now)
+        if turned.sum() < fewest:
+            best, fewest = now, int(turned.sum())
     return best, fewest
+
+
+def _turned(elasticity: Elasticity, now: Deformation) -> Bools:
+    """The faces (m,) that are turned over, beside the rotations that fit the edges best."""
+    rotations = elasticity.fitted_rotations(now.positions)
+    return turned_faces(elasticity.rest, now.positions, rotations, elasticity.mesh.faces)
 
 
 def _with_same_rotations(

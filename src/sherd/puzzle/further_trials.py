@@ -116,12 +116,15 @@ class _SoFar:
         self._may_overlap = may_overlap
         self._areas = template.placed.vertex_areas
         self._asked: dict[int, list[Bools]] = {}
+        self._chosen: dict[int, Trial] | None = None
 
     def chosen(self) -> dict[int, Trial]:
         """By piece what is chosen jointly of all trials."""
-        return chosen_together(self.known, self._count, self._areas, may_overlap=self._may_overlap)[
-            0
-        ]
+        if self._chosen is None:
+            self._chosen, _ = chosen_together(
+                self.known, self._count, self._areas, may_overlap=self._may_overlap
+            )
+        return dict(self._chosen)
 
     def without(self, piece: int) -> tuple[Trial | None, list[Trial]]:
         """The chosen trial of a piece, None if it has no place, and those of the others."""
@@ -148,6 +151,7 @@ class _SoFar:
             return
         asked.append(taken)
         self.known += _elsewhere(self._template, first, taken, self._stages)
+        self._chosen = None
 
 
 def _taken(chosen: Iterable[Trial], count: int) -> Bools:
