@@ -30,8 +30,10 @@ from sherd.correspondence.scale import (
 from sherd.correspondence.working_placement import (
     Queries,
     WorkingPlacement,
-    part_queries,
-    placement_from_labeling,
+    described_queries,
+    placement_from_look,
+    query_vertices,
+    seen_by_labeling,
 )
 from sherd.mesh.sizes import check_areas, check_sizes
 from sherd.mesh.triangle_mesh import TriangleMesh
@@ -143,9 +145,9 @@ def placed_part(
             unit = template.length / scale
             surface = _described(kept, unit, pins)
             question = question.with_part(surface)
-        queries = part_queries(question, rng)
+        waiting = begun(partial(described_queries, question, query_vertices(question, rng)))
     if twin:
-        twin_placement = begun(lambda: mirrored_placement(question, queries, twin_rng))
+        twin_placement = begun(lambda: mirrored_placement(question, waiting(), twin_rng))
     with stages("anchors"):
         problem = anchor_problem(question, rng)
         start = first_labeling(problem)
@@ -154,10 +156,12 @@ def placed_part(
         chance_level = begun(partial(chance_energy, problem, np.random.default_rng(options.seed)))
         del problem  # large, and of use to that work only
     with stages("first placement"):
-        first, look = placement_from_labeling(question, labeling, queries)
+        queries = waiting()
+        laid, look = seen_by_labeling(question, labeling, queries)
+        first = begun(partial(placement_from_look, question, laid, look))
     with stages("second placement"):
         second = second_placement(question, look, queries, rng)
-        best, other = sorted((first, second), key=lambda found: -found.score)
+        best, other = sorted((first(), second), key=lambda found: -found.score)
     with stages("mirrored twin"):
         mirror = twin_placement() if twin else None
     return PlacedPart(

@@ -46,8 +46,8 @@ def test_labels_of_mirror_images_are_the_same(planted, image, labelings) -> None
 
 def test_placements_of_mirror_images_are_mirror_images(planted, image, labelings, queries) -> None:
     question = planted.question
-    here, _ = placement_from_labeling(question, labelings[0], queries)
-    there, _ = placement_from_labeling(image, labelings[1], mirrored_queries(queries))
+    here = placement_from_labeling(question, labelings[0], queries)
+    there = placement_from_labeling(image, labelings[1], mirrored_queries(queries))
     places = here.points.positions(question.full.mesh)
     gap = places * [-1, 1, 1] - there.points.positions(image.full.mesh)
     assert np.linalg.norm(gap, axis=1).mean() < 1e-4

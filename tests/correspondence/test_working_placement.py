@@ -23,7 +23,7 @@ def placed(planted, labels: np.ndarray, *, rough: bool = False) -> WorkingPlacem
     queries = part_queries(planted.question, np.random.default_rng(0))
     if rough:
         return rough_placement_from_labeling(planted.question, labeling, queries)
-    return placement_from_labeling(planted.question, labeling, queries)[0]
+    return placement_from_labeling(planted.question, labeling, queries)
 
 
 def errors(planted, found: WorkingPlacement) -> np.ndarray:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import shlex
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -22,11 +23,13 @@ from sherd.results.match_result import MatchResult
 from sherd.results.overlap_result import Overlap
 from sherd.results.puzzle.assembly import Assembly
 from sherd.results.puzzle.joined import Joined
-from sherd.scan.intake import mesh_intake
+from sherd.scan.intake import Intake, mesh_intake
 from sherd.surface.template import Template
+from sherd.threads import begun
 
 __all__ = [
     "ScaleType",
+    "begun_template",
     "check_fit_outputs",
     "check_outputs",
     "check_piece_outputs",
@@ -200,6 +203,18 @@ def _say(notices: Iterable[tuple[str, Iterable[str]]]) -> None:
             click.echo(f"{note} {name}: {text}", err=True)
 
 
+def begun_template(path: Path | None, full: Path, *, quiet: bool) -> Callable[[], Template]:
+    """Begin :func:`stored_template` beside other work; the result waits for it and raises for it.
+
+    What is kept is read, and otherwise the mesh only: nobody waits for a description, and no file
+    is made, before all that was typed is known to be right.
+    """
+    if path is not None and path.exists():
+        return begun(partial(stored_template, path, full, quiet=quiet))
+    intake = begun(partial(mesh_intake, full))
+    return lambda: _new_template(path, intake(), quiet=quiet)
+
+
 def stored_template(path: Path | None, full: Path, *, quiet: bool) -> Template:
     """The template of the mesh `full`, kept in the file `path` if one is named.
 
@@ -213,6 +228,10 @@ def stored_template(path: Path | None, full: Path, *, quiet: bool) -> Template:
     intake = mesh_intake(full)
     if path is not None and path.exists():
         return Template.load(path, full=intake)
+    return _new_template(path, intake, quiet=quiet)
+
+
+def _new_template(path: Path | None, intake: Intake, *, quiet: bool) -> Template:
     template = Template(intake)
     if path is not None:
         template.save(path)

@@ -11,10 +11,10 @@ import click
 from sherd.cli.exits import NOT_CONVERGED
 from sherd.cli.first_run import prepare_first_run
 from sherd.cli.inputs import (
+    begun_template,
     check_outputs,
     command_line,
     show_notices,
-    stored_template,
 )
 from sherd.cli.options import (
     json_option,
@@ -104,8 +104,9 @@ def locate_command(
     check_outputs(output, REGION_FORMAT, full, part, overwrite=overwrite, template=template)
     prepare_first_run(quiet=quiet)
     stages = Stages(len(STAGES) + 1, visible=False if quiet else None)
+    template_read = begun_template(template, full, quiet=quiet)
     scan = scan_intake(part)
-    result = locate(stored_template(template, full, quiet=quiet), scan, options, stages=stages)
+    result = locate(template_read(), scan, options, stages=stages)
     show_notices(result, quiet=quiet)
     with stages("files"):
         document = write_report(

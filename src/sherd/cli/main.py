@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import importlib
 from typing import Any
 
@@ -67,7 +68,13 @@ class _LazyGroup(ReportingGroup):
         if cmd_name not in COMMANDS:
             return None
         module, name, _ = COMMANDS[cmd_name]
-        command: click.Command = getattr(importlib.import_module(module), name)
+        # what a thousand modules make stays: to look for garbage in it is a tenth of their time
+        gc.disable()
+        try:
+            command: click.Command = getattr(importlib.import_module(module), name)
+            gc.freeze()
+        finally:
+            gc.enable()
         return command
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:  # noqa: ARG002

@@ -14,10 +14,10 @@ from sherd.cli.exits import NOT_CONVERGED
 from sherd.cli.first_run import prepare_first_run
 from sherd.cli.inputs import (
     ScaleType,
+    begun_template,
     check_outputs,
     command_line,
     show_notices,
-    stored_template,
 )
 from sherd.cli.options import (
     json_option,
@@ -133,8 +133,9 @@ def match_command(  # noqa: PLR0913 - one for each word that can be typed
     check_outputs(output, MATCH_FORMAT, full, part, overwrite=overwrite, template=template)
     prepare_first_run(quiet=quiet)
     stages = Stages(len(STAGES) + 1, visible=False if quiet else None)
+    template_read = begun_template(template, full, quiet=quiet)
     scan = scan_intake(part)
-    described = stored_template(template, full, quiet=quiet)
+    described = template_read()
     options = MatchOptions(
         scale=scale,
         landmarks=_landmarks(landmarks, described.intake, scan),

@@ -54,8 +54,7 @@ def second_placement(
     similarity = node_similarity(question, spectra, inside=look.full_spectra)
     problem = labeling_problem(question, similarity, rng)
     labeling = find_anchors(problem, step=SECOND_STEP, rounds=SECOND_ROUNDS)
-    placement, _ = placement_from_labeling(question, labeling, queries)
-    return placement
+    return placement_from_labeling(question, labeling, queries)
 
 
 def mirrored_placement(

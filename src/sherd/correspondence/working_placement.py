@@ -26,12 +26,16 @@ from sherd.surface.described import LEAST_TRUST, RADII
 __all__ = [
     "Queries",
     "WorkingPlacement",
+    "described_queries",
     "judged_placement",
     "look_inside",
     "mirrored_queries",
     "part_queries",
     "placement_from_labeling",
+    "placement_from_look",
+    "query_vertices",
     "rough_placement_from_labeling",
+    "seen_by_labeling",
 ]
 
 # Vertices that look for similar neighborhoods; the elasticity carries the others along.
@@ -96,15 +100,25 @@ class WorkingPlacement:
         return _covered(self.question, self.deformation)
 
 
-def part_queries(question: Question, rng: np.random.Generator) -> Queries:
-    """Choose the query vertices and describe them once."""
-    part, project = question.part, question.full.axes.project
-    used = np.unique(part.mesh.faces)
+def query_vertices(question: Question, rng: np.random.Generator) -> Ints:
+    """Choose the vertices (q,) of the part that look for similar places."""
+    used: Ints = np.unique(question.part.mesh.faces)
     if len(used) > QUERY_COUNT:
         used = np.sort(rng.choice(used, QUERY_COUNT, replace=False))
-    spectra = part.spectra_at(used)
-    cut_aware = trusted_by_cut(spectra, part.cut_distance[used], RADII, LEAST_TRUST)
-    return Queries(used, project(cut_aware), project(trusted_equally(spectra, RADII)))
+    return used
+
+
+def part_queries(question: Question, rng: np.random.Generator) -> Queries:
+    """Choose the query vertices and describe them once."""
+    return described_queries(question, query_vertices(question, rng))
+
+
+def described_queries(question: Question, vertices: Ints) -> Queries:
+    """Describe the query vertices (q,), as :func:`query_vertices` chooses them, once."""
+    part, project = question.part, question.full.axes.project
+    spectra = part.spectra_at(vertices)
+    cut_aware = trusted_by_cut(spectra, part.cut_distance[vertices], RADII, LEAST_TRUST)
+    return Queries(vertices, project(cut_aware), project(trusted_equally(spectra, RADII)))
 
 
 def mirrored_queries(queries: Queries) -> Queries:
@@ -116,16 +130,29 @@ def mirrored_queries(queries: Queries) -> Queries:
 
 def placement_from_labeling(
     question: Question, labeling: Labeling, queries: Queries
-) -> tuple[WorkingPlacement, Look]:
-    """Carry a labeling through to points; the second result is what was seen of the full shape.
+) -> WorkingPlacement:
+    """Carry a labeling through to points.
 
     Every vertex is trilaterated, the elastic part laid onto the full shape by neighborhoods; then
     the region is known, and the part slides once more, by neighborhoods inside it.
     """
+    return placement_from_look(question, *seen_by_labeling(question, labeling, queries))
+
+
+def seen_by_labeling(
+    question: Question, labeling: Labeling, queries: Queries
+) -> tuple[Deformation, Look]:
+    """The first half of :func:`placement_from_labeling`: what is seen where the part lies."""
     deformation = _by_neighborhoods(question, labeling, queries, FIRST_REACHES)
-    look = look_inside(question, deformation, queries)
+    return deformation, look_inside(question, deformation, queries)
+
+
+def placement_from_look(
+    question: Question, deformation: Deformation, look: Look
+) -> WorkingPlacement:
+    """The second half of :func:`placement_from_labeling`: the part slides by what it sees."""
     deformation = registered_to_surface(question, deformation, look, reaches=SECOND_REACHES)
-    return judged_placement(question, deformation, look), look
+    return judged_placement(question, deformation, look)
 
 
 def rough_placement_from_labeling(

@@ -6,6 +6,8 @@ import os
 from collections.abc import Callable
 from typing import Any, TypeAlias
 
+from PIL import Image
+
 from sherd.arrays import Floats
 from sherd.drawing.picture import picture, png_bytes, stage, without_heading
 from sherd.errors import InputError
@@ -98,6 +100,7 @@ def write_report(
     ...     sorted(write_report(result, folder)["files"])
     ['part.ply', 'region.csv', 'region.ply', 'region.png', 'report.html']
     """
+    begun(Image.preinit)  # else both that write images wait for its drivers to be loaded
     report = report_of(result, command=command, errors=errors, texture=texture)
     document = plain(dict(report.document))
     kind = kind_of(document)
