@@ -21,6 +21,7 @@ from sherd.benchmark.match.benchmark import match_benchmark
 from sherd.benchmark.match.measurement import measured
 from sherd.benchmark.match.row import MatchRow
 from sherd.benchmark.match.summary import summary, summary_table
+from sherd.benchmark.row_file import restored_row
 from sherd.cli.main import main
 from sherd.errors import InputError, MeshFileError, OptionError
 from sherd.files.mesh_files import write_mesh
@@ -236,7 +237,7 @@ def test_a_part_larger_than_the_full_shape_is_refused_and_counted(animals, tmp_p
     assert (row["status"], row["mean"], row["iou"]) == ("REFUSED", None, None)
     assert document["together"]["refused"] == 1
     assert "all refused" in summary_table(document)
-    again = MatchRow.from_plain(row)
+    again = restored_row(MatchRow, row)
     assert not again.answered
     assert np.isnan(again.mean)
     assert summary(smal_set(tmp_path), [again])["rows"] == [row]

@@ -15,9 +15,7 @@ import numpy as np
 from sherd._version import __version__
 from sherd.benchmark.datasets.overlaps import OverlapSet
 from sherd.benchmark.overlap_measurement import OverlapRow, measured_overlap
-from sherd.benchmark.row_file import pair_file
-from sherd.benchmark.runner import measured_rows
-from sherd.limits import require_whole
+from sherd.benchmark.runner import chosen_pairs, measured_pairs
 from sherd.output import write_text
 from sherd.report.stored.folder import plain
 
@@ -36,9 +34,6 @@ def overlap_benchmark(
     jobs: int = 1,
 ) -> dict[str, Any]:
     """Ask for all pairs, write ``bench.json``, and return what it holds.
-
-    Each finished pair is one small file under `output/pairs`, named by a hash of its input files,
-    the version and the settings.
 
     Parameters
     ----------
@@ -62,20 +57,13 @@ def overlap_benchmark(
     OutputError
         If a result cannot be written.
     """
-    if limit is not None:
-        require_whole("pairs", limit, 1, 10**6, "no data set has more pairs")
     settings = pair_set.settings
-    pairs = [pair for pair in pair_set.pairs if not only or pair.name in only][:limit]
-    files = {pair.name: pair_file(output, pair, settings) for pair in pairs}
-
-    def keep(name: str, row: OverlapRow) -> None:
-        write_text(files[name], json.dumps(plain(asdict(row)), allow_nan=False) + "\n")
-
-    rows = measured_rows(
-        pairs,
+    rows = measured_pairs(
+        chosen_pairs(pair_set.pairs, only, limit),
         partial(measured_overlap, settings=settings),
-        known={name: row for name, path in files.items() if (row := _stored(path)) is not None},
-        keep=keep,
+        kind=OverlapRow,
+        output=output,
+        settings=settings,
         jobs=jobs,
     )
     kinds = sorted({row.kind for row in rows})
@@ -152,14 +140,3 @@ def _total(rows: Sequence[OverlapRow]) -> dict[str, Any]:
 def _mean(values: list[float]) -> float | None:
     known = [value for value in values if not math.isnan(value)]
     return float(np.mean(known)) if known else None
-
-
-def _stored(path: Path) -> OverlapRow | None:
-    try:
-        content: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
-        known: dict[str, Any] = {
-            name: math.nan if value is None else value for name, value in content.items()
-        }
-        return OverlapRow(**known)
-    except (OSError, ValueError, TypeError, AttributeError):
-        return None  # not measured yet, or written by another version

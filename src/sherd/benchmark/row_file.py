@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict
 from pathlib import Path
@@ -11,16 +12,20 @@ from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 from sherd._version import __version__
 from sherd.output import write_text
+from sherd.report.stored.folder import plain
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
 
-__all__ = ["content_hash", "pair_file", "stored_rows", "write_rows"]
+__all__ = [
+    "KeptPair", "content_hash", "pair_file", "plain_row", "restored_row", "stored_rows",
+    "write_rows",
+]  # fmt: skip
 
 Row = TypeVar("Row", bound="DataclassInstance")
 
 
-class Pair(Protocol):
+class KeptPair(Protocol):
     """A pair of a data set."""
 
     @property
@@ -39,7 +44,7 @@ class Pair(Protocol):
         ...
 
 
-def pair_file(output: Path, pair: Pair, settings: DataclassInstance) -> Path:
+def pair_file(output: Path, pair: KeptPair, settings: DataclassInstance) -> Path:
     """Where the row of a pair is kept: a hash of everything that the measurement depends on."""
     content = hashlib.sha256()
     question = {**asdict(settings), "kind": pair.kind, "version": __version__, "pair": pair.name}
@@ -58,6 +63,23 @@ def content_hash(paths: Iterable[Path]) -> str:
             digest.update(f"{file.name}\0".encode())
             digest.update(hashlib.sha256(file.read_bytes()).digest() if file.is_file() else b"")
     return digest.hexdigest()[:24]
+
+
+def plain_row(row: DataclassInstance) -> dict[str, Any]:
+    """Names and values of a row for JSON; NaN becomes None."""
+    values: dict[str, Any] = plain(asdict(row))
+    return values
+
+
+def restored_row(kind: type[Row], content: Mapping[str, Any]) -> Row:
+    """The row that :func:`plain_row` gave the names and values of.
+
+    Raises
+    ------
+    TypeError
+        If a name is missing or unknown.
+    """
+    return kind(**{name: math.nan if value is None else value for name, value in content.items()})
 
 
 def stored_rows(path: Path, settings: Mapping[str, Any], row: type[Row]) -> list[Row]:

@@ -2,21 +2,33 @@
 
 from __future__ import annotations
 
+import json
 import os
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 from sherd._version import __version__
 from sherd.batching.processes import process_pool
-from sherd.benchmark.row_file import content_hash, stored_rows, write_rows
+from sherd.benchmark.row_file import (
+    KeptPair,
+    content_hash,
+    pair_file,
+    plain_row,
+    restored_row,
+    stored_rows,
+    write_rows,
+)
 from sherd.limits import require_whole
-from sherd.output import Stages
+from sherd.output import Stages, write_text
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
 
-__all__ = ["Question", "measured_and_kept", "measured_rows"]
+__all__ = [
+    "Question", "chosen_pairs", "measured_and_kept", "measured_pairs", "measured_rows",
+]  # fmt: skip
 
 
 class Question(Protocol):
@@ -29,6 +41,7 @@ class Question(Protocol):
 
 
 Asked = TypeVar("Asked", bound=Question)
+AskedPair = TypeVar("AskedPair", bound=KeptPair)
 Row = TypeVar("Row")
 Kept = TypeVar("Kept", bound="DataclassInstance")
 
@@ -117,6 +130,66 @@ def measured_and_kept(
         write_rows(path, question, known.values())
 
     return measured_rows(questions, measure, known=dict(known), keep=keep, jobs=jobs)
+
+
+def measured_pairs(
+    pairs: Sequence[AskedPair],
+    measure: Callable[[AskedPair], Kept],
+    *,
+    kind: type[Kept],
+    output: Path,
+    settings: DataclassInstance,
+    jobs: int = 1,
+) -> list[Kept]:
+    """The row of each pair of a data set, kept in one small file each under `output/pairs`.
+
+    A file is named by a hash of what its pair is made of, the version and the settings, so that an
+    interrupted run goes on where it stopped, and what has changed is measured anew.
+
+    Parameters
+    ----------
+    pairs, measure, jobs
+        As of :func:`measured_rows`.
+    kind
+        The type of the rows.
+    output
+        Folder.
+    settings
+        How pairs are shown.
+
+    Raises
+    ------
+    OptionError
+        As :func:`measured_rows`.
+    OutputError
+        If a row cannot be written.
+    """
+    files = {pair.name: pair_file(output, pair, settings) for pair in pairs}
+    known = {}
+    for name, path in files.items():
+        # not measured yet, or written by another version
+        with suppress(OSError, ValueError, TypeError, AttributeError):
+            known[name] = restored_row(kind, json.loads(path.read_text(encoding="utf-8")))
+
+    def keep(name: str, row: Kept) -> None:
+        write_text(files[name], json.dumps(plain_row(row), allow_nan=False) + "\n")
+
+    return measured_rows(pairs, measure, known=known, keep=keep, jobs=jobs)
+
+
+def chosen_pairs(
+    pairs: Iterable[AskedPair], only: Collection[str], limit: int | None
+) -> list[AskedPair]:
+    """Those named in `only`, all if none is, and of them the first `limit`.
+
+    Raises
+    ------
+    OptionError
+        If `limit` is below 1.
+    """
+    if limit is not None:
+        require_whole("pairs", limit, 1, 10**6, "no data set has more pairs")
+    return [pair for pair in pairs if not only or pair.name in only][:limit]
 
 
 def _one_by_one(

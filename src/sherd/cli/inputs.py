@@ -86,8 +86,8 @@ def check_outputs(
         of this kind, or `full` or `part` lies there under a name that the result needs.
     """
     for mesh in (full, part):
-        if mesh.name in NAMES and mesh.resolve().parent == folder.resolve():
-            raise OutputError(f"{mesh}: would be replaced by the result; choose another folder")
+        if mesh.resolve().parent == folder.resolve():
+            _refuse_inside(folder, (mesh,))
     question = ResultKind(kind, full.name, part.name)
     _check_free(folder, question, template, overwrite=overwrite, own=own)
 
@@ -108,10 +108,7 @@ def check_piece_outputs(
         If the folder or the template file cannot be written, the folder is not free for this
         result, or a shape lies there under a name that the result needs.
     """
-    for mesh in pieces if full is None else (full, *pieces):
-        inside = mesh.resolve().is_relative_to(folder.resolve())
-        if mesh.name in NAMES and inside:
-            raise OutputError(f"{mesh}: would be replaced by the result; choose another folder")
+    _refuse_inside(folder, pieces if full is None else (full, *pieces))
     names = ", ".join(piece.name for piece in pieces)
     question = (
         ResultKind(JOINED_FORMAT, "nothing", names)
@@ -137,16 +134,20 @@ def check_fit_outputs(
         If the folder or the template file cannot be written, the folder is not free for this
         result, or a shape lies there under a name that the result needs.
     """
-    for mesh in shapes:
-        inside = mesh.resolve().is_relative_to(folder.resolve())
-        if mesh.name in NAMES and inside:
-            raise OutputError(f"{mesh}: would be replaced by the result; choose another folder")
+    _refuse_inside(folder, shapes)
     if earlier is None:
         full, parts = shapes[0].name, [part.name for part in shapes[1:]]
     else:
         full, parts = earlier[0].full.name, [match.part.name for match in earlier]
     question = ResultKind(FIT_FORMAT, full, ", ".join(parts))
     _check_free(folder, question, template, overwrite=overwrite)
+
+
+def _refuse_inside(folder: Path, shapes: Iterable[Path]) -> None:
+    """Refuse shapes that lie in the folder or below it under a name that a result has there."""
+    for mesh in shapes:
+        if mesh.name in NAMES and mesh.resolve().is_relative_to(folder.resolve()):
+            raise OutputError(f"{mesh}: would be replaced by the result; choose another folder")
 
 
 def _check_free(

@@ -7,7 +7,6 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike
 from scipy import sparse
 
 from sherd._version import __version__
@@ -18,13 +17,13 @@ from sherd.errors import InvalidMeshError
 from sherd.limits import require_finite
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
-from sherd.results import transfer
 from sherd.results.advice import UnfollowedLandmark
 from sherd.results.display import picture_html, table_html
 from sherd.results.distortion import edge_stretch, faces_preserved
 from sherd.results.match_options import MatchOptions
 from sherd.results.placement import Placement
 from sherd.results.status import Status
+from sherd.results.transfer import TransferMethods, nearest_part_points
 from sherd.scan.numbering import outward_normals
 
 if TYPE_CHECKING:
@@ -83,7 +82,7 @@ class MatchCheck:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class MatchResult(FrozenState):
+class MatchResult(FrozenState, TransferMethods):
     """The answer of :func:`sherd.match`; all arrays are numbered as the user's shapes are.
 
     Attributes
@@ -253,7 +252,7 @@ class MatchResult(FrozenState):
 
         Rows of vertices that the part does not reach are empty, all others sum to 1.
         """
-        points, found = transfer.nearest_part_points(self)
+        points, found = nearest_part_points(self)
         return _weights(points, self.part, np.flatnonzero(found), self.full.vertex_count)
 
     def to_trimesh(self) -> tuple[trimesh.Trimesh, trimesh.Trimesh]:
@@ -282,33 +281,6 @@ class MatchResult(FrozenState):
             and preserved > PRESERVED_LIMIT
         )
         return MatchCheck(area_ratio, median, preserved, passed)
-
-    def field_to_part(self, values: ArrayLike) -> Floats:
-        """Values (n_full,) or (n_full, c) at the part's vertices; NaN if unmatched."""
-        return transfer.field_to_part(self, values)
-
-    def field_to_full(self, values: ArrayLike) -> Floats:
-        """Values (n_part,) or (n_part, c) at the full shape's vertices; NaN outside."""
-        return transfer.field_to_full(self, values)
-
-    def labels_to_part(self, labels: ArrayLike) -> transfer.Labels:
-        """Labels (n_full,), whole numbers or text, at the part; unmatched: -1 or ""."""
-        return transfer.labels_to_part(self, labels)
-
-    def labels_to_full(self, labels: ArrayLike) -> transfer.Labels:
-        """Labels (n_part,), whole numbers or text, at the full shape; outside: -1 or ""."""
-        return transfer.labels_to_full(self, labels)
-
-    def landmarks_to_part(self, vertices: ArrayLike) -> tuple[SurfacePoints, Floats]:
-        """Points of the part for vertices (p,) of the full shape, and how far each is missed.
-
-        See :func:`sherd.results.transfer.landmarks_to_part`.
-        """
-        return transfer.landmarks_to_part(self, vertices)
-
-    def landmarks_to_full(self, vertices: ArrayLike) -> SurfacePoints:
-        """Points of the full shape where the given vertices (p,) of the part lie."""
-        return transfer.landmarks_to_full(self, vertices)
 
 
 def _points(placement: Placement) -> SurfacePoints:

@@ -19,6 +19,7 @@ from sherd.mesh.triangle_mesh import TriangleMesh
 __all__ = [
     "Labels",
     "Matched",
+    "TransferMethods",
     "checked_vertices",
     "field_to_full",
     "field_to_part",
@@ -63,6 +64,37 @@ class Matched(Protocol):
     @property
     def scale(self) -> float:
         """Factor that the part was enlarged by."""
+
+
+class TransferMethods:
+    """The functions of this module as methods, for what is :class:`Matched`."""
+
+    def field_to_part(self: Matched, values: ArrayLike) -> Floats:
+        """Values (n_full,) or (n_full, c) at the part's vertices; NaN if unmatched."""
+        return field_to_part(self, values)
+
+    def field_to_full(self: Matched, values: ArrayLike) -> Floats:
+        """Values (n_part,) or (n_part, c) at the full shape's vertices; NaN where nothing lies."""
+        return field_to_full(self, values)
+
+    def labels_to_part(self: Matched, labels: ArrayLike) -> Labels:
+        """Labels (n_full,), whole numbers or text, at the part; unmatched: -1 or ""."""
+        return labels_to_part(self, labels)
+
+    def labels_to_full(self: Matched, labels: ArrayLike) -> Labels:
+        """Labels (n_part,), whole numbers or text, at the full shape; elsewhere: -1 or ""."""
+        return labels_to_full(self, labels)
+
+    def landmarks_to_part(self: Matched, vertices: ArrayLike) -> tuple[SurfacePoints, Floats]:
+        """Points of the part for vertices (p,) of the full shape, and how far each is missed.
+
+        See :func:`sherd.results.transfer.landmarks_to_part`.
+        """
+        return landmarks_to_part(self, vertices)
+
+    def landmarks_to_full(self: Matched, vertices: ArrayLike) -> SurfacePoints:
+        """Points of the full shape where the given vertices (p,) of the part lie."""
+        return landmarks_to_full(self, vertices)
 
 
 def field_to_part(result: Matched, values: ArrayLike) -> Floats:

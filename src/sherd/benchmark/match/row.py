@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass, fields
-from typing import Any
+from dataclasses import dataclass
 
 __all__ = ["REFUSED", "MatchRow"]
 
@@ -86,25 +84,3 @@ class MatchRow:
     def answered(self) -> bool:
         """Whether `match` gave an answer at all."""
         return self.status != REFUSED
-
-    def plain(self) -> dict[str, Any]:
-        """Names and values for JSON; NaN becomes None."""
-        values = {field.name: getattr(self, field.name) for field in fields(self)}
-        return {
-            name: None if isinstance(value, float) and math.isnan(value) else value
-            for name, value in values.items()
-        }
-
-    @classmethod
-    def from_plain(cls, content: dict[str, Any]) -> MatchRow:
-        """The row that :meth:`plain` gave.
-
-        Raises
-        ------
-        TypeError
-            If a name is missing or unknown.
-        """
-        values: dict[str, Any] = {
-            name: math.nan if value is None else value for name, value in content.items()
-        }
-        return cls(**values)

@@ -12,6 +12,7 @@ from sherd._version import __version__
 from sherd.benchmark.datasets.pairs import PairSet
 from sherd.benchmark.match.measurement import BAD, THRESHOLDS
 from sherd.benchmark.match.row import MatchRow
+from sherd.benchmark.row_file import plain_row
 
 __all__ = ["summary", "summary_table"]
 
@@ -36,7 +37,7 @@ def summary(pair_set: PairSet, rows: Sequence[MatchRow]) -> dict[str, Any]:
         "thresholds": THRESHOLDS.tolist(),
         "totals": {kind: _total([row for row in rows if row.kind == kind]) for kind in kinds},
         "together": _total(rows),
-        "rows": [row.plain() for row in rows],
+        "rows": [plain_row(row) for row in rows],
     }
 
 

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
-from functools import wraps
 from pathlib import Path
 from typing import Any
 
@@ -16,49 +14,18 @@ from sherd.benchmark.datasets.shrec16 import KINDS, shrec16_set
 from sherd.benchmark.datasets.smal import smal_set
 from sherd.benchmark.match.benchmark import match_benchmark
 from sherd.benchmark.match.summary import summary_table
+from sherd.cli.bench.pair_set import measuring
 
 __all__ = ["faust_command", "shrec16_command", "smal_match_command"]
 
-OPTIONS = (
-    click.argument("directory", type=click.Path(path_type=Path)),
-    click.option("--rotate", is_flag=True, help="Turn every part at random."),
-    click.option("--unknown-scale", is_flag=True, help="Scale every part by 0.5 to 2, untold."),
-    click.option("--only", multiple=True, help="Names of pairs; all if none."),
-    click.option("--jobs", type=int, default=1, show_default=True, help="Processes."),
-    click.option("-o", "--output", type=click.Path(path_type=Path), required=True, help="Folder."),
-)
 
-
-def _matching_all(pair_set: Callable[..., PairSet]) -> Callable[..., int]:
-    """The body of a command: match all pairs that `pair_set` gives for a folder and settings.
-
-    The command has the common options, and those that are declared on `pair_set` itself.
-    """
-
-    @wraps(pair_set)
-    def body(
-        directory: Path,
-        *,
-        rotate: bool,
-        unknown_scale: bool,
-        only: tuple[str, ...],
-        jobs: int,
-        output: Path,
-        **own: Any,
-    ) -> int:
-        settings = BenchmarkSettings(rotate=rotate, unknown_scale=unknown_scale)
-        pairs = pair_set(directory, settings, **own)
-        document = match_benchmark(pairs, output, only=only, jobs=jobs)
-        click.echo(f"{summary_table(document)}\nOpen {output / 'bench.html'} to see it.")
-        return 0
-
-    for option in reversed(OPTIONS):
-        body = option(body)
-    return body
+def _matched(pairs: PairSet, *, output: Path, **which: Any) -> str:
+    document = match_benchmark(pairs, output, **which)
+    return f"{summary_table(document)}\nOpen {output / 'bench.html'} to see it."
 
 
 @click.command("shrec16")
-@_matching_all
+@measuring(_matched)
 @click.option("--remeshed", type=click.Path(path_type=Path), help="Parts meshed anew.")
 @click.option("--points", is_flag=True, help="Take the faces from every part.")
 @click.option("--kind", type=click.Choice(KINDS), multiple=True, help="Both if none.")
@@ -83,7 +50,7 @@ def shrec16_command(
 
 
 @click.command("faust")
-@_matching_all
+@measuring(_matched)
 def faust_command(directory: Path, settings: BenchmarkSettings) -> PairSet:
     """Match parts cut from one person with the body of another, in another pose.
 
@@ -100,7 +67,7 @@ def faust_command(directory: Path, settings: BenchmarkSettings) -> PairSet:
 
 
 @click.command("smal-match")
-@_matching_all
+@measuring(_matched)
 def smal_match_command(directory: Path, settings: BenchmarkSettings) -> PairSet:
     """Match parts of animals with parts of other animals, often of another species.
 

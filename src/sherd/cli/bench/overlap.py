@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import wraps
 from pathlib import Path
 from typing import Any
 
@@ -16,48 +14,17 @@ from sherd.benchmark.datasets.pairs import BenchmarkSettings
 from sherd.benchmark.datasets.single_view import single_view_set
 from sherd.benchmark.datasets.smal import smal_overlap_set
 from sherd.benchmark.overlap_benchmark import overlap_benchmark, overlap_table
+from sherd.cli.bench.pair_set import measuring
 
 __all__ = ["belonging_command", "cp2p_command", "singleview_command", "smal_command"]
 
-OPTIONS = (
-    click.argument("directory", type=click.Path(path_type=Path)),
-    click.option("--rotate", is_flag=True, help="Turn both shapes at random."),
-    click.option("--unknown-scale", is_flag=True, help="Scale the second by 0.5 to 2, untold."),
-    click.option("--only", multiple=True, help="Names of pairs; all if none."),
-    click.option("--pairs", "limit", type=int, help="First pairs only."),
-    click.option("--jobs", type=int, default=1, show_default=True, help="Processes."),
-    click.option("-o", "--output", type=click.Path(path_type=Path), required=True, help="Folder."),
-)
 
-
-def _asking_all(pair_set: Callable[..., OverlapSet]) -> Callable[..., int]:
-    """The body of a command: ask for all pairs that `pair_set` gives for a folder and settings."""
-
-    @wraps(pair_set)
-    def body(
-        directory: Path,
-        *,
-        rotate: bool,
-        unknown_scale: bool,
-        only: tuple[str, ...],
-        limit: int | None,
-        jobs: int,
-        output: Path,
-        **own: Any,
-    ) -> int:
-        settings = BenchmarkSettings(rotate=rotate, unknown_scale=unknown_scale)
-        pairs = pair_set(directory, settings, **own)
-        document = overlap_benchmark(pairs, output, only=only, limit=limit, jobs=jobs)
-        click.echo(overlap_table(document))
-        return 0
-
-    for option in reversed(OPTIONS):
-        body = option(body)
-    return body
+def _overlapped(pairs: OverlapSet, *, output: Path, **which: Any) -> str:
+    return overlap_table(overlap_benchmark(pairs, output, **which))
 
 
 @click.command("cp2p")
-@_asking_all
+@measuring(_overlapped)
 @click.option("--remeshed", type=click.Path(path_type=Path), help="Parts meshed anew.")
 def cp2p_command(
     directory: Path, settings: BenchmarkSettings, *, remeshed: Path | None
@@ -75,7 +42,7 @@ def cp2p_command(
 
 
 @click.command("singleview")
-@_asking_all
+@measuring(_overlapped)
 def singleview_command(directory: Path, settings: BenchmarkSettings) -> OverlapSet:
     """Find what two single-camera views share, often of different things.
 
@@ -90,7 +57,7 @@ def singleview_command(directory: Path, settings: BenchmarkSettings) -> OverlapS
 
 
 @click.command("smal")
-@_asking_all
+@measuring(_overlapped)
 def smal_command(directory: Path, settings: BenchmarkSettings) -> OverlapSet:
     """Find what parts of two animals share, often of different species.
 

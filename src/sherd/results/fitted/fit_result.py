@@ -15,11 +15,11 @@ from sherd.arrays import Bools, Floats, FrozenState, Ints, frozen
 from sherd.errors import InvalidMeshError
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
-from sherd.results import transfer
 from sherd.results.display import table_html
 from sherd.results.fitted.completion import Completion
 from sherd.results.fitted.fit_options import FitOptions
 from sherd.results.status import Status
+from sherd.results.transfer import TransferMethods, checked_vertices
 
 __all__ = ["DistanceSummary", "Fit", "FitCheck", "FittedPiece", "HiddenRegion", "PieceMap"]
 
@@ -146,7 +146,7 @@ class FittedPiece(FrozenState):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class PieceMap(FrozenState):
+class PieceMap(FrozenState, TransferMethods):
     """The map between a piece and the full shape that a fit is, to carry values along.
 
     Attributes
@@ -160,30 +160,6 @@ class PieceMap(FrozenState):
     points: SurfacePoints
     matched: Bools
     scale: float
-
-    def field_to_part(self, values: ArrayLike) -> Floats:
-        """Values (n_full,) or (n_full, c) at the part's vertices; NaN if unmatched."""
-        return transfer.field_to_part(self, values)
-
-    def field_to_full(self, values: ArrayLike) -> Floats:
-        """Values (n_part,) or (n_part, c) at the full shape's vertices; NaN where not seen."""
-        return transfer.field_to_full(self, values)
-
-    def labels_to_part(self, labels: ArrayLike) -> transfer.Labels:
-        """Labels (n_full,), whole numbers or text, at the part; unmatched: -1 or ""."""
-        return transfer.labels_to_part(self, labels)
-
-    def labels_to_full(self, labels: ArrayLike) -> transfer.Labels:
-        """Labels (n_part,), whole numbers or text, at the full shape; not seen: -1 or ""."""
-        return transfer.labels_to_full(self, labels)
-
-    def landmarks_to_part(self, vertices: ArrayLike) -> tuple[SurfacePoints, Floats]:
-        """As :func:`sherd.results.transfer.landmarks_to_part`."""
-        return transfer.landmarks_to_part(self, vertices)
-
-    def landmarks_to_full(self, vertices: ArrayLike) -> SurfacePoints:
-        """Points of the full shape where the given vertices (p,) of the part lie."""
-        return transfer.landmarks_to_full(self, vertices)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -314,7 +290,7 @@ class Fit(FrozenState):
         InvalidMeshError
             If a vertex does not exist.
         """
-        wanted = transfer.checked_vertices(vertices, self.full, "full shape")
+        wanted = checked_vertices(vertices, self.full, "full shape")
         return self.positions[wanted], ~self.seen[wanted], self.chance[wanted]
 
     def piece_map(self, number: int = 0) -> PieceMap:
