@@ -7,8 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from sherd.correspondence.elastic_kernel import closest_rotations
 from sherd.fitting import turned_faces as turned_faces_module
-from sherd.fitting.as_rigid_as_possible import Elasticity, closest_rotations
+from sherd.fitting.as_rigid_as_possible import Elasticity
 from sherd.fitting.crossing import without_new_crossings
 from sherd.fitting.deformation import Deformation
 from sherd.fitting.self_intersection import intersecting_faces

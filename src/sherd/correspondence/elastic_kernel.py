@@ -23,7 +23,7 @@ from sherd.compiled import compiled
 from sherd.surface.elastic_surface import ElasticSurface
 from sherd.threads import over_rows
 
-__all__ = ["fit_rotations", "relax_positions", "softened", "strains"]
+__all__ = ["closest_rotations", "fit_rotations", "relax_positions", "softened", "strains"]
 
 
 # The root is off by 1e-16 over its gap, and the eigenvector by that over the gap again: six digits.
@@ -34,6 +34,13 @@ def fit_rotations(elastic: ElasticSurface, positions: Floats) -> Floats:
     """The rotations (n, 3, 3) that fit the edges at each vertex best."""
     rotations = np.empty((len(elastic.rest), 3, 3))
     over_rows(_fit_rotations, len(elastic.rest), elastic, positions, rotations)
+    return rotations
+
+
+def closest_rotations(matrices: Floats) -> Floats:
+    """The rotation R of largest trace(R' M) for each matrix M (n, 3, 3)."""
+    rotations = np.empty((len(matrices), 3, 3))
+    over_rows(_closest_rotations, len(matrices), np.ascontiguousarray(matrices), rotations)
     return rotations
 
 
@@ -63,6 +70,12 @@ def _fit_rotations(rows, elastic, positions, rotations):
                 for c in range(3):
                     a[r, c] += moved * (rest[j, c] - rest[i, c])
         _closest_rotation(a, rotations[i])
+
+
+@compiled()
+def _closest_rotations(rows, matrices, rotations):
+    for i in range(rows[0], rows[1]):
+        _closest_rotation(matrices[i], rotations[i])
 
 
 @compiled()

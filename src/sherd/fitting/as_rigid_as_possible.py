@@ -30,18 +30,10 @@ from sherd.arrays import Floats
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.surface.elastic_surface import ElasticSurface, elastic_surface
 
-__all__ = ["Elasticity", "closest_rotations"]
+__all__ = ["Elasticity"]
 
 # Components without data stay where they are; beside cotangents of order 1 this moves nothing.
 HOLD = 1e-9
-
-
-def closest_rotations(matrices: Floats) -> Floats:
-    """The proper rotations (n, 3, 3) closest to matrices (n, 3, 3): polar decomposition."""
-    left, _, right = np.linalg.svd(matrices)
-    left[:, :, 2] *= np.sign(np.linalg.det(left @ right))[:, None]
-    rotations: Floats = left @ right
-    return rotations
 
 
 class Elasticity:

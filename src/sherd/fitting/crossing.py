@@ -8,7 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 from sherd.arrays import Bools, Floats, Ints
-from sherd.fitting.as_rigid_as_possible import Elasticity, closest_rotations
+from sherd.correspondence.elastic_kernel import closest_rotations
+from sherd.fitting.as_rigid_as_possible import Elasticity
 from sherd.fitting.deformation import Deformation, corners_of, with_rings, without_data
 from sherd.fitting.self_intersection import intersecting_faces, intersecting_pairs
 from sherd.mesh.geometry import closest_rotation, face_areas, face_normals
@@ -55,8 +56,10 @@ def without_new_crossings(elasticity: Elasticity, found: Deformation, seen: Bool
     most = max(off(found), AREA_CHANGE)
 
     def kept(step: Deformation) -> bool:
+        return kept_as(step, _new_pairs(step.positions, faces, before))
+
+    def kept_as(step: Deformation, crossing: Ints) -> bool:
         nonlocal best, least
-        crossing = _new_pairs(step.positions, faces, before)
         fewer = len(np.unique(crossing)) < len(np.unique(least))
         if fewer and off(step) <= most:
             best, least = step, crossing
@@ -72,8 +75,8 @@ def without_new_crossings(elasticity: Elasticity, found: Deformation, seen: Bool
         for share in SHARES:
             if not kept(turning(share)):
                 return best
-        for step in _pushes(elasticity, best, before, seen):
-            kept(step)
+        for step, crossing in _pushes(elasticity, best, least, before, seen):
+            kept_as(step, crossing)
     for rings in RINGS if len(least) else ():
         if not kept(_pushed_around(elasticity, best, least, before, rings)):
             break
@@ -138,26 +141,28 @@ def _pushed_around(
     local = Elasticity(TriangleMesh(elasticity.rest[used], corners))
     start = Deformation(found.positions[used], found.rotations[used], found.sizes[used])
 
-    def crossing(step: Deformation) -> int:
-        return len(np.unique(_new_pairs(step.positions, corners, before[patch])))
-
-    best = min((start, *_pushes(local, start, before[patch], ~free[used])), key=crossing)
+    crossed = _new_pairs(start.positions, corners, before[patch])
+    pushes = _pushes(local, start, crossed, before[patch], ~free[used])
+    best, _ = min(((start, crossed), *pushes), key=lambda each: len(np.unique(each[1])))
     positions, rotations = found.positions.copy(), found.rotations.copy()
     positions[used], rotations[used] = best.positions, best.rotations
     return replace(found, positions=positions, rotations=rotations)
 
 
 def _pushes(
-    elasticity: Elasticity, found: Deformation, before: Bools, held: Bools
-) -> Iterator[Deformation]:
-    """Rounds in which what crosses is pushed apart; what is `held` (n,) stays."""
+    elasticity: Elasticity, found: Deformation, pairs: Ints, before: Bools, held: Bools
+) -> Iterator[tuple[Deformation, Ints]]:
+    """Rounds in which `pairs`, what crosses, are pushed apart, and what still crosses then.
+
+    What is `held` (n,) stays.
+    """
     now = found
     for _ in range(ROUNDS):
-        pairs = _new_pairs(now.positions, elasticity.mesh.faces, before)
         if not len(pairs):
             return
         now = _pushed(elasticity, now, pairs, held)
-        yield now
+        pairs = _new_pairs(now.positions, elasticity.mesh.faces, before)
+        yield now, pairs
 
 
 def _pushed(elasticity: Elasticity, now: Deformation, pairs: Ints, seen: Bools) -> Deformation:

@@ -9,7 +9,8 @@ from typing import TypeAlias
 import numpy as np
 
 from sherd.arrays import Bools, Floats, Ints
-from sherd.fitting.as_rigid_as_possible import Elasticity, closest_rotations
+from sherd.correspondence.elastic_kernel import closest_rotations
+from sherd.fitting.as_rigid_as_possible import Elasticity
 from sherd.fitting.chance import distances_beyond
 from sherd.fitting.scan_surface import ScanSurface
 from sherd.fitting.sizes import sizes_of

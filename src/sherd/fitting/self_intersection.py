@@ -10,11 +10,12 @@ from __future__ import annotations
 import numpy as np
 
 from sherd.arrays import Bools, Floats, Ints
+from sherd.threads import over_rows
 
 __all__ = ["intersecting_faces", "intersecting_pairs"]
 
-# Pairs that are kept at first; a mesh that pierces itself more often is searched once more.
-ROOM = 4096
+# Width of a strip in mean heights of faces: narrower ones hold more faces twice.
+STRIP = 4.0
 
 
 def intersecting_pairs(vertices: Floats, faces: Ints) -> Ints:
@@ -30,9 +31,13 @@ def intersecting_pairs(vertices: Floats, faces: Ints) -> Ints:
 
     Notes
     -----
-    Boxes are swept along the longest axis: O(m^1.5) for even meshes, 0.1 s for 20,000 faces.
+    Boxes are swept along the longest axis in strips of another one: near linear for even meshes,
+    5 ms for 20,000 faces.
     """
-    from sherd.fitting.self_intersection_kernel import piercing_pairs  # noqa: PLC0415 - numba
+    from sherd.fitting.self_intersection_kernel import (  # noqa: PLC0415 - numba
+        count_pierced,
+        write_pierced,
+    )
 
     if not len(faces):
         return np.empty((0, 2), dtype=np.int64)
@@ -40,15 +45,37 @@ def intersecting_pairs(vertices: Floats, faces: Ints) -> Ints:
     turned = np.ascontiguousarray(np.roll(vertices, -axis, axis=1))
     corners = turned[faces]
     low, high = corners.min(axis=1), corners.max(axis=1)
-    order = np.argsort(low[:, 0], kind="stable")
-    pairs = np.empty((ROOM, 2), dtype=np.int64)
-    count = piercing_pairs(turned, faces, order, low, high, pairs)
-    if count > len(pairs):
-        pairs = np.empty((count, 2), dtype=np.int64)
-        piercing_pairs(turned, faces, order, low, high, pairs)
-    pairs = pairs[:count]
+    entries, strips = _in_strips(low[:, :2], high[:, 1])
+    # in the order of the sweep, so that memory is read from front to back
+    boxes = (np.ascontiguousarray(corner[entries].T) for corner in (low, high))
+    swept = (turned, np.ascontiguousarray(faces[entries]), *boxes, strips)
+    counts = np.zeros(len(entries), dtype=np.int64)
+    over_rows(count_pierced, len(entries), *swept, counts)
+    ends = np.cumsum(counts)
+    pairs = np.empty((int(ends[-1]), 2), dtype=np.int64)
+    over_rows(write_pierced, len(entries), *swept, ends, pairs)
+    pairs = np.sort(entries[pairs], axis=1)
     sorted_pairs: Ints = pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
     return sorted_pairs
+
+
+def _in_strips(low: Floats, top: Floats) -> tuple[Ints, Ints]:
+    """Faces (e,), once for each strip that they reach into, by strip and first coordinate.
+
+    `low` (m, 2) are the least coordinates of the faces, `top` (m,) the largest second ones. Also
+    (2, e), that strip and the first one of the face.
+    """
+    bottom = low[:, 1]
+    # so there are a quarter more entries than faces, however long some faces are
+    height = max(STRIP * float((top - bottom).mean()), float(np.ptp(bottom)) / len(low), 1e-300)
+    first = ((bottom - bottom.min()) / height).astype(np.int64)
+    last = ((top - bottom.min()) / height).astype(np.int64)
+    reach = last - first + 1
+    faces = np.repeat(np.arange(len(low)), reach)
+    strip = np.arange(len(faces)) - np.repeat(np.cumsum(reach) - reach, reach) + first[faces]
+    order = np.lexsort((low[faces, 0], strip))
+    entries: Ints = faces[order]
+    return entries, np.stack([strip[order], first[entries]])
 
 
 def intersecting_faces(vertices: Floats, faces: Ints) -> Bools:

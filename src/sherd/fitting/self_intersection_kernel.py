@@ -11,69 +11,114 @@ from __future__ import annotations
 
 from sherd.compiled import compiled
 
-__all__ = ["piercing_pairs"]
+__all__ = ["count_pierced", "write_pierced"]
 
 
 @compiled()
-def piercing_pairs(vertices, faces, order, low, high, pairs):
-    """Write pairs (k, 2) of faces that pierce each other; returns how many there are in all.
+def count_pierced(rows, vertices, faces, low, high, strips, counts):
+    """Write for each entry (e,) how many later ones of its strip it pierces or is pierced by.
 
-    `order` (m,) are the faces by ascending `low` (m, 3) of the first axis; `high` (m, 3) is the
-    other corner of each face's box. Where `pairs` is too short the rest is only counted.
+    An entry is one of the `faces` (e, 3) in one of the strips that it reaches into; `strips` (2, e)
+    are that strip and its first one. Entries are sorted by strip and by the first row of `low`
+    (3, e), of which `high` (3, e) is the other corner of each face's box.
     """
-    found = 0
-    for first in range(len(order)):
-        f = order[first]
-        for second in range(first + 1, len(order)):
-            g = order[second]
-            if low[g, 0] > high[f, 0]:
-                break
-            if low[g, 1] > high[f, 1] or low[f, 1] > high[g, 1]:
-                continue
-            if low[g, 2] > high[f, 2] or low[f, 2] > high[g, 2]:
-                continue
-            if _meet(vertices, faces[f], faces[g]):
-                if found < len(pairs):
-                    pairs[found, 0], pairs[found, 1] = min(f, g), max(f, g)
-                found += 1
-    return found
+    for first in range(rows[0], rows[1]):
+        second = _next_pierced(vertices, faces, low, high, strips, first, first)
+        while second > 0:
+            counts[first] += 1
+            second = _next_pierced(vertices, faces, low, high, strips, first, second)
 
 
 @compiled()
-def _meet(vertices, f, g):
+def write_pierced(rows, vertices, faces, low, high, strips, ends, pairs):
+    """Write the pairs (k, 2) that were counted; `ends` (e,) are the sums of the counts so far."""
+    for first in range(rows[0], rows[1]):
+        second = first
+        for place in range(ends[first - 1] if first else 0, ends[first]):
+            second = _next_pierced(vertices, faces, low, high, strips, first, second)
+            pairs[place, 0], pairs[place, 1] = first, second
+
+
+@compiled()
+def _next_pierced(vertices, faces, low, high, strips, first, second):
+    """The entry next to `second` that `first` pierces or is pierced by; 0 if there is no more.
+
+    Two faces that reach into several strips both meet in the first of these only.
+    """
+    for later in range(second + 1, len(faces)):
+        if strips[0, later] != strips[0, first] or low[0, later] > high[0, first]:
+            break
+        # written out: a function of arrays, called for each pair, takes six times as long
+        if (
+            low[1, later] <= high[1, first]
+            and low[1, first] <= high[1, later]
+            and low[2, later] <= high[2, first]
+            and low[2, first] <= high[2, later]
+            and max(strips[1, first], strips[1, later]) == strips[0, first]
+            and _meet(vertices, faces, first, later)
+        ):
+            return later
+    return 0
+
+
+# Corners are numbers of vertices below: to take a row of an array costs as much as a volume.
+
+
+@compiled()
+def _meet(vertices, faces, first, second):
     """Whether an edge of one face pierces the other; edges at shared corners cannot."""
     shared = 0
     for i in range(3):
         for j in range(3):
-            if f[i] == g[j]:
+            if faces[first, i] == faces[second, j]:
                 shared += 1
-    if shared >= 2:
-        return False
-    for k in range(3):
-        a, b = f[k], f[(k + 1) % 3]
-        if a not in g and b not in g and _pierces(vertices, a, b, g):
-            return True
-        a, b = g[k], g[(k + 1) % 3]
-        if a not in f and b not in f and _pierces(vertices, a, b, f):
-            return True
-    return False
+    return shared < 2 and (
+        _pierced(vertices, faces, first, second) or _pierced(vertices, faces, second, first)
+    )
 
 
 @compiled()
-def _pierces(vertices, a, b, face):
-    p, q = vertices[a], vertices[b]
-    u, v, w = vertices[face[0]], vertices[face[1]], vertices[face[2]]
-    above, below = _volume(u, v, w, p), _volume(u, v, w, q)
-    if not ((above > 0 and below < 0) or (above < 0 and below > 0)):
+def _pierced(vertices, faces, face, other):
+    """Whether an edge of the other face that meets no corner of the face goes through it."""
+    p, q, r = faces[other, 0], faces[other, 1], faces[other, 2]
+    at_p = _side(vertices, faces, face, p)
+    at_q = _side(vertices, faces, face, q)
+    at_r = _side(vertices, faces, face, r)
+    # nearly all faces whose boxes meet lie on one side of each other; a shared corner has side 0
+    if not (min(at_p, at_q, at_r) < 0 < max(at_p, at_q, at_r)):
         return False
-    first, second, third = _volume(p, q, u, v), _volume(p, q, v, w), _volume(p, q, w, u)
+    return (
+        (_opposite(at_p, at_q) and _passes(vertices, p, q, faces, face))
+        or (_opposite(at_q, at_r) and _passes(vertices, q, r, faces, face))
+        or (_opposite(at_r, at_p) and _passes(vertices, r, p, faces, face))
+    )
+
+
+@compiled()
+def _opposite(one, other):
+    return (one > 0 and other < 0) or (one < 0 and other > 0)
+
+
+@compiled()
+def _side(vertices, faces, face, p):
+    """Above 0 where the vertex is on one side of the face, below 0 on the other."""
+    return _volume(vertices, faces[face, 0], faces[face, 1], faces[face, 2], p)
+
+
+@compiled()
+def _passes(vertices, p, q, faces, face):
+    """Whether the line from p to q has all three edges of the face on the same side."""
+    u, v, w = faces[face, 0], faces[face, 1], faces[face, 2]
+    first, second = _volume(vertices, p, q, u, v), _volume(vertices, p, q, v, w)
+    third = _volume(vertices, p, q, w, u)
     return (first > 0 and second > 0 and third > 0) or (first < 0 and second < 0 and third < 0)
 
 
-@compiled(inline="always")
-def _volume(a, b, c, d):
+@compiled()
+def _volume(vertices, a, b, c, d):
     """Six times the signed volume of a tetrahedron."""
-    x0, y0, z0 = a[0] - d[0], a[1] - d[1], a[2] - d[2]
-    x1, y1, z1 = b[0] - d[0], b[1] - d[1], b[2] - d[2]
-    x2, y2, z2 = c[0] - d[0], c[1] - d[1], c[2] - d[2]
+    x, y, z = vertices[d, 0], vertices[d, 1], vertices[d, 2]
+    x0, y0, z0 = vertices[a, 0] - x, vertices[a, 1] - y, vertices[a, 2] - z
+    x1, y1, z1 = vertices[b, 0] - x, vertices[b, 1] - y, vertices[b, 2] - z
+    x2, y2, z2 = vertices[c, 0] - x, vertices[c, 1] - y, vertices[c, 2] - z
     return x0 * (y1 * z2 - z1 * y2) - y0 * (x1 * z2 - z1 * x2) + z0 * (x1 * y2 - y1 * x2)
