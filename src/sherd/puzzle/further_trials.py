@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from itertools import combinations
 
 import numpy as np
 from scipy import sparse
@@ -14,6 +15,7 @@ from sherd.output import Stages
 from sherd.place import placed_part
 from sherd.puzzle.joint_choice import LEAST_CHANCE
 from sherd.puzzle.trials import (
+    CLASH,
     MARGIN,
     SCORE_SCALE,
     Trial,
@@ -50,13 +52,15 @@ def trials_again(
     """Further trials of the pieces that lose their places or are in doubt.
 
     Large ones come first; what is chosen jointly of all trials so far is taken for the next piece.
-    Each is tried where no other piece lies, if one lies where it would. A piece that is torn
-    between two places is tried without either. Then the pieces that keep one from its place which
-    found none, or a worse one, are tried without that place, as both may be right only together:
-    those that have all of it, and those in doubt that reach into it. At last what is in doubt or
-    has no place is tried where nothing lies by then, and what has one that leaves another a chance
-    to be taken is tried in the gaps: a left leg on the right one's place, which is missing. Nothing
-    is asked twice, nor where there is no room for it.
+    Each is tried where no other piece lies, if one lies where it would; also what is sure but lies
+    on others by more than right neighbors do. A piece that is torn between two places is tried
+    without either. Then the pieces that keep one from its place which found none, or a worse one,
+    are tried without that place, as both may be right only together: those that have all of it, and
+    those in doubt that reach into it. At last what is in doubt or has no place is tried where
+    nothing lies by then, what has one that leaves another a chance to be taken is tried in the
+    gaps: a left leg on the right one's place, which is missing; and two in doubt that could change
+    places, as front legs on hind legs, are tried so. Nothing is asked twice, nor where there is no
+    room for it.
 
     Parameters
     ----------
@@ -77,7 +81,7 @@ def trials_again(
     so_far = _SoFar(template, trials, count, stages, may_overlap=may_overlap)
     for first in by_size:
         own, others = so_far.without(first.piece)
-        if own is not None and own.chance >= SURE:
+        if own is not None and own.chance >= SURE and not _lies_on(own, others, areas):
             continue
         so_far.ask(first, others)
         for place in _torn_places(template.placed, first):
@@ -96,6 +100,12 @@ def trials_again(
             so_far.ask(first, others)
         if own is not None and own.chance < 1 - LEAST_CHANCE:
             so_far.ask(first, others, own.candidate.core)
+    for one, other in _exchangeable(so_far.chosen(), areas):
+        for first, second in ((one, other), (other, one)):
+            own, others = so_far.without(first)
+            if own is not None:
+                rest = [each for each in others if each.piece != second]
+                so_far.ask(alone[first], rest, own.candidate.core)
     return so_far.known[len(trials) :]
 
 
@@ -205,6 +215,24 @@ def torn_apart(mesh: TriangleMesh, mask: Bools) -> list[Bools]:
     areas = np.bincount(labels, mesh.vertex_areas * mask, minlength=number)
     large = np.flatnonzero(areas > TORN * areas.sum())
     return [mask & (labels == k) for k in large[np.argsort(-areas[large], kind="stable")]]
+
+
+def _exchangeable(chosen: Mapping[int, Trial], areas: Floats) -> list[tuple[int, int]]:
+    """Pairs of pieces in doubt, each of which has room where the other lies."""
+    doubtful = {k: each for k, each in chosen.items() if each.chance < 1 - LEAST_CHANCE}
+    sizes = {k: float(areas @ each.candidate.region) for k, each in doubtful.items()}
+    return [
+        (one, other)
+        for one, other in combinations(sorted(doubtful), 2)
+        if min(sizes[one], sizes[other]) >= ROOM * max(sizes[one], sizes[other])
+    ]
+
+
+def _lies_on(trial: Trial, others: Iterable[Trial], areas: Floats) -> bool:
+    """Whether so much of what a trial surely claims lies on others that its place is in doubt."""
+    core = trial.candidate.core
+    shared = float(areas @ (core & _taken(others, len(areas))))
+    return shared > CLASH * float(areas @ core)
 
 
 def _winners(loser: Trial, chosen: Mapping[int, Trial], areas: Floats) -> set[int]:

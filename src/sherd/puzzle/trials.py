@@ -25,6 +25,7 @@ from sherd.scan.intake import Intake
 from sherd.surface.template import Template
 
 __all__ = [
+    "CLASH",
     "MARGIN",
     "SCORE_SCALE",
     "Trial",
