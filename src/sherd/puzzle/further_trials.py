@@ -80,32 +80,19 @@ def trials_again(
     by_size = sorted(alone.values(), key=lambda each: -float(areas @ each.candidate.region))
     so_far = _SoFar(template, trials, count, stages, may_overlap=may_overlap)
     for first in by_size:
-        own, others = so_far.without(first.piece)
-        if own is not None and own.chance >= SURE and not _lies_on(own, others, areas):
-            continue
-        so_far.ask(first, others)
-        for place in _torn_places(template.placed, first):
-            so_far.ask(first, others, place)
+        _where_nothing_lies(so_far, first, template.placed)
     for loser in by_size:
         chosen = so_far.chosen()
-        if not _room_for_all({**chosen, loser.piece: loser}.values()):
-            continue
-        for winner in sorted(_winners(loser, chosen, areas)):
-            # as if the loser lay there: where it went meanwhile may be the winner's place
-            others = [each for each in so_far.without(winner)[1] if each.piece != loser.piece]
-            so_far.ask(alone[winner], [*others, loser])
+        if _room_for_all({**chosen, loser.piece: loser}.values()):
+            for winner in sorted(_winners(loser, chosen, areas)):
+                # as if the loser lay there: where it went meanwhile may be the winner's place
+                others = [each for each in so_far.without(winner)[1] if each.piece != loser.piece]
+                so_far.ask(alone[winner], [*others, loser])
     for first in by_size:
-        own, others = so_far.without(first.piece)
-        if own is None or own.chance < SURE:
-            so_far.ask(first, others)
-        if own is not None and own.chance < 1 - LEAST_CHANCE:
-            so_far.ask(first, others, own.candidate.core)
+        _in_gaps(so_far, first)
     for one, other in _exchangeable(so_far.chosen(), areas):
-        for first, second in ((one, other), (other, one)):
-            own, others = so_far.without(first)
-            if own is not None:
-                rest = [each for each in others if each.piece != second]
-                so_far.ask(alone[first], rest, own.candidate.core)
+        _in_its_place(so_far, alone[one], other)
+        _in_its_place(so_far, alone[other], one)
     return so_far.known[len(trials) :]
 
 
@@ -162,6 +149,33 @@ class _SoFar:
         asked.append(taken)
         self.known += _elsewhere(self._template, first, taken, self._stages)
         self._chosen = None
+
+
+def _where_nothing_lies(so_far: _SoFar, first: Trial, full: TriangleMesh) -> None:
+    """Try a piece that is in doubt, or lies on others, where none of the others lies."""
+    own, others = so_far.without(first.piece)
+    if own is not None and own.chance >= SURE and not _lies_on(own, others, full.vertex_areas):
+        return
+    so_far.ask(first, others)
+    for place in _torn_places(full, first):
+        so_far.ask(first, others, place)
+
+
+def _in_gaps(so_far: _SoFar, first: Trial) -> None:
+    """Try a piece in doubt where nothing lies, and one whose place may be another's elsewhere."""
+    own, others = so_far.without(first.piece)
+    if own is None or own.chance < SURE:
+        so_far.ask(first, others)
+    if own is not None and own.chance < 1 - LEAST_CHANCE:
+        so_far.ask(first, others, own.candidate.core)
+
+
+def _in_its_place(so_far: _SoFar, first: Trial, second: int) -> None:
+    """Try a piece that has a place elsewhere, as if the second piece had none."""
+    own, others = so_far.without(first.piece)
+    if own is not None:
+        others = [each for each in others if each.piece != second]
+        so_far.ask(first, others, own.candidate.core)
 
 
 def _taken(chosen: Iterable[Trial], count: int) -> Bools:
