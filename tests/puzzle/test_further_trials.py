@@ -158,6 +158,34 @@ def test_a_place_that_leaves_another_a_chance_is_compared_with_the_gap(full, ask
     assert asked == []
 
 
+def test_a_sure_piece_that_lies_on_others_is_asked_elsewhere(full, asked) -> None:
+    """A hoof on a leg that two thirds of it share: both may stay, if it fits nowhere else."""
+    leg, on_it = within(full, 0.0, 0.3), within(full, 0.24, 0.34)
+    again(full, [trial(full, 0, leg, 0.95), trial(full, 1, on_it, 0.9)])
+    assert [piece for piece, _ in asked] == [1]
+    assert np.array_equal(asked[0][1], leg)
+    asked.clear()
+    beside = within(full, 0.28, 0.38)
+    again(full, [trial(full, 0, leg, 0.95), trial(full, 1, beside, 0.9)])
+    assert asked == []
+
+
+def test_two_in_doubt_that_could_change_places_are_asked_so(full, asked) -> None:
+    front, rear, body = within(full, 0.0, 0.1), within(full, 0.9, 1.0), within(full, 0.3, 0.7)
+    trials = [trial(full, 0, front, 0.7), trial(full, 1, rear, 0.7), trial(full, 2, body, 0.95)]
+    trials_again(full, trials, 3, Stages(visible=False))
+    taken = [
+        (piece, tuple(map(bool, ((at & front).any(), (at & rear).any())))) for piece, at in asked
+    ]
+    assert (0, (True, False)) in taken
+    assert (1, (False, True)) in taken
+    asked.clear()
+    larger = within(full, 0.71, 1.0)  # has no room where the front lies
+    trials[1] = trial(full, 1, larger, 0.7)
+    trials_again(full, trials, 3, Stages(visible=False))
+    assert all((taken & larger).any() for piece, taken in asked if piece == 0)
+
+
 def test_a_torn_piece_is_asked_without_either_place(full, asked) -> None:
     front, rear = balls(full, 1, -1)
     again(full, [trial(full, 0, front | rear, 0.3)])
