@@ -10,11 +10,14 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from scipy.sparse import csgraph
 
 from sherd._version import __version__
+from sherd.arrays import Floats
 from sherd.benchmark.row_file import write_rows
 from sherd.benchmark.timed_command import THIS, Timing, timed
 from sherd.files.mesh_files import write_mesh
+from sherd.mesh.geometry import edge_graph
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.output import Stages
 from sherd.shapes.creature import creature
@@ -186,7 +189,10 @@ def _write_shapes(folder: Path, *, large: bool) -> None:
     sizes = {"": FULL_VERTICES, "large_": LARGE_VERTICES} if large else {"": FULL_VERTICES}
     for name, size in sizes.items():
         full = creature(size)
-        part = moved(_ball(whole(creature(size, pose="walk"), full)), np.random.default_rng(0)).mesh
+        posed = whole(creature(size, pose="walk"), full)
+        # to factorize a million equations takes minutes, and paths along edges cut as well
+        distances = _along_edges if name else _along_surface
+        part = moved(_ball(posed, distances(posed.mesh)), np.random.default_rng(0)).mesh
         write_mesh(full, folder / f"{name}full.ply")
         write_mesh(part, folder / f"{name}part.ply")
         if not name:
@@ -194,8 +200,18 @@ def _write_shapes(folder: Path, *, large: bool) -> None:
             _write_points(part, folder / "points.xyz")
 
 
-def _ball(posed: Fragment) -> Fragment:
-    distance = Geodesics(posed.mesh).distances_from(0)[0]
+def _along_surface(mesh: TriangleMesh) -> Floats:
+    distances: Floats = Geodesics(mesh).distances_from(0)[0]
+    return distances
+
+
+def _along_edges(mesh: TriangleMesh) -> Floats:
+    graph = edge_graph(mesh.vertices, mesh.edges)
+    first = np.array([0])
+    return np.asarray(csgraph.dijkstra(graph, directed=False, indices=first, min_only=True))
+
+
+def _ball(posed: Fragment, distance: Floats) -> Fragment:
     order = np.argsort(distance)
     share = np.cumsum(posed.mesh.vertex_areas[order]) / posed.mesh.area
     reach = distance[order[np.searchsorted(share, PART_SHARE)]]

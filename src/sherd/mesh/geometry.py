@@ -6,12 +6,14 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy import sparse
 
 from sherd.arrays import Floats, Ints
 
 __all__ = [
     "barycentric_vertex_areas",
     "closest_rotation",
+    "edge_graph",
     "edge_lengths",
     "face_areas",
     "face_cross",
@@ -60,6 +62,14 @@ def edge_lengths(vertices: Floats, faces: Ints) -> Floats:
     preceding = vertices[faces[:, [2, 0, 1]]]
     lengths: Floats = np.linalg.norm(preceding - following, axis=2)
     return lengths
+
+
+def edge_graph(vertices: Floats, edges: Ints) -> sparse.csr_array:
+    """(n, n) lengths, l, of the edges (e, 2), each once: for shortest paths, not directed."""
+    lengths = np.linalg.norm(np.diff(vertices[edges], axis=1)[:, 0], axis=1)
+    shape = (len(vertices), len(vertices))
+    graph: sparse.csr_array = sparse.coo_array((lengths, tuple(edges.T)), shape=shape).tocsr()
+    return graph
 
 
 def _normalized(rows: Floats) -> Floats:

@@ -26,6 +26,7 @@ from scipy.sparse import csgraph
 
 from sherd.arrays import Bools, Floats, Ints
 from sherd.correspondence.shared.region_cut import seam_lengths
+from sherd.mesh.geometry import edge_graph
 from sherd.mesh.minimum_cut import minimum_cut
 from sherd.mesh.triangle_mesh import TriangleMesh
 
@@ -56,10 +57,7 @@ class Partition:
     def __init__(self, mesh: TriangleMesh) -> None:
         self._mesh = mesh
         self._seams = seam_lengths(mesh)
-        lengths = np.linalg.norm(np.diff(mesh.vertices[mesh.edges], axis=1)[:, 0], axis=1)
-        first, second = mesh.edges.T
-        count = mesh.vertex_count
-        self._paths = sparse.coo_array((lengths, (first, second)), shape=(count, count)).tocsr()
+        self._paths = edge_graph(mesh.vertices, mesh.edges)
 
     def labels(self, regions: Sequence[Bools]) -> Ints:
         """The piece (n,) of each vertex, -1 for the gap, from the regions (n,) of the pieces."""
