@@ -6,12 +6,14 @@ from dataclasses import replace
 
 import numpy as np
 
+from sherd.arrays import Bools
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.surface.described import NO_CUT, DescribedSurface, Known
+from sherd.surface.samples import Samples
 from sherd.surface.working import WorkingSurface
 
-__all__ = ["coarsely_labeled", "enlarged", "mirrored", "thinned"]
+__all__ = ["coarsely_labeled", "enlarged", "mirrored", "sampled_within", "thinned"]
 
 FLIP = np.array([-1.0, 1.0, 1.0])
 
@@ -52,15 +54,17 @@ def enlarged(surface: DescribedSurface, factor: float) -> DescribedSurface:
 
 def thinned(surface: DescribedSurface, count: int) -> DescribedSurface:
     """The surface with at most `count` of its sparse samples, those that lie farthest apart."""
-    return DescribedSurface(
-        surface.working,
-        reference=surface.reference,
-        known=Known(
-            normals=surface.normals,
-            cut_distance=surface.cut_distance,
-            sparse=surface.sparse.thinned(count),
-        ),
-    )
+    return _with_sparse(surface, surface.sparse.thinned(count))
+
+
+def sampled_within(surface: DescribedSurface, mask: Bools) -> DescribedSurface:
+    """The surface with those of its sparse samples that lie in `mask` (n,)."""
+    return _with_sparse(surface, surface.sparse.within(mask))
+
+
+def _with_sparse(surface: DescribedSurface, sparse: Samples) -> DescribedSurface:
+    known = Known(normals=surface.normals, cut_distance=surface.cut_distance, sparse=sparse)
+    return DescribedSurface(surface.working, reference=surface.reference, known=known)
 
 
 def coarsely_labeled(surface: DescribedSurface) -> DescribedSurface:
