@@ -10,14 +10,13 @@ from typing import Unpack
 
 import numpy as np
 
-from sherd.arrays import Ints
 from sherd.correspondence.shared.hints import kept_shape
 from sherd.errors import InputError
 from sherd.output import Stages
 from sherd.overlap import check_overlap_sizes
 from sherd.puzzle.growth import Growth, grown
 from sherd.puzzle.joined_maps import direct_maps
-from sherd.puzzle.meeting import Meeting, meeting
+from sherd.puzzle.meeting import Hints, Meeting, meeting
 from sherd.puzzle.pairs import pair_evidence
 from sherd.puzzle.synchronization import PieceMap, cycle_error, synchronized
 from sherd.puzzle.union import Union
@@ -142,8 +141,8 @@ def join(
     )
 
 
-def _met(seed: int, first: Union, second: Union, known: Ints) -> Meeting:
-    return meeting(first.mesh, second.mesh, seed, known)
+def _met(seed: int, first: Union, second: Union, hints: Hints) -> Meeting:
+    return meeting(first.mesh, second.mesh, seed, hints)
 
 
 def _chances(growth: Growth) -> dict[tuple[int, int], float]:

@@ -4,6 +4,7 @@ Two small pieces share little with each other, and a left leg looks like a right
 of what is joined already a piece shares more, and its own place there looks more like it than
 its twin's. So what was asked of a smaller union is asked again before it is believed. But a twin
 that was joined may draw it away from its own place; what was sure before is then recalled.
+And where a mirror image would fit better, the piece is asked elsewhere as well.
 """
 
 from __future__ import annotations
@@ -11,10 +12,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
-import numpy as np
-
-from sherd.arrays import Floats, Ints
-from sherd.puzzle.meeting import Meeting
+from sherd.arrays import Floats
+from sherd.puzzle.meeting import NO_HINTS, Hints, Meeting
 from sherd.puzzle.union import Join, Union, recalled, united
 from sherd.results.advice import SURE
 
@@ -24,9 +23,8 @@ __all__ = ["Growth", "grown"]
 # of a dozen that belong together each is asked two or three times.
 PARTNERS = 8
 
-# The larger union, the other one, and pairs (p, 2) of vertices that lie on each other.
-Meet = Callable[[Union, Union, Ints], Meeting]
-NOTHING = np.empty((0, 2), dtype=np.int64)
+# The larger union, the other one, and what is known of them.
+Meet = Callable[[Union, Union, Hints], Meeting]
 
 
 @dataclass(eq=False)
@@ -103,17 +101,26 @@ def _surest(
         first, second = sorted((here, other), key=lambda union: -union.mesh.area)
         if (first.members, second.members) in growth.chances:
             continue  # asked as they are, and not joined
-        join = Join(first, second, meet(first, second, NOTHING))
-        before = _sure_before(first, second, growth)
-        if join.met.chance < SURE and before is not None:
-            again = Join(first, second, meet(first, second, recalled(before, first, second)))
-            join = max(join, again, key=lambda each: each.met.chance)
+        join = _asked(first, second, meet, growth)
         growth.chances[first.members, second.members] = join.met.chance
         if join.met.chance >= SURE:
             growth.sure.append(join)
             if best is None or join.met.chance > best.met.chance:
                 best = join
     return best
+
+
+def _asked(first: Union, second: Union, meet: Meet, growth: Growth) -> Join:
+    """The surest answer of two unions."""
+    answers = [Join(first, second, meet(first, second, NO_HINTS))]
+    met = answers[0].met
+    if met.handedness < 0 and met.taken.any():
+        answers.append(Join(first, second, meet(first, second, Hints(taken=met.taken))))
+    before = _sure_before(first, second, growth)
+    if before is not None and max(each.met.chance for each in answers) < SURE:
+        known = recalled(before, first, second)
+        answers.append(Join(first, second, meet(first, second, Hints(known))))
+    return max(answers, key=lambda each: each.met.chance)
 
 
 def _promise(here: Union, other: Union, growth: Growth) -> float:

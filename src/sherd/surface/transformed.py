@@ -10,7 +10,6 @@ from sherd.arrays import Bools
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.surface.described import NO_CUT, DescribedSurface, Known
-from sherd.surface.samples import Samples
 from sherd.surface.working import WorkingSurface
 
 __all__ = ["coarsely_labeled", "enlarged", "mirrored", "sampled_within", "thinned"]
@@ -54,16 +53,27 @@ def enlarged(surface: DescribedSurface, factor: float) -> DescribedSurface:
 
 def thinned(surface: DescribedSurface, count: int) -> DescribedSurface:
     """The surface with at most `count` of its sparse samples, those that lie farthest apart."""
-    return _with_sparse(surface, surface.sparse.thinned(count))
+    return DescribedSurface(
+        surface.working,
+        reference=surface.reference,
+        known=Known(
+            normals=surface.normals,
+            cut_distance=surface.cut_distance,
+            sparse=surface.sparse.thinned(count),
+        ),
+    )
 
 
 def sampled_within(surface: DescribedSurface, mask: Bools) -> DescribedSurface:
     """The surface with those of its sparse samples that lie in `mask` (n,)."""
-    return _with_sparse(surface, surface.sparse.within(mask))
-
-
-def _with_sparse(surface: DescribedSurface, sparse: Samples) -> DescribedSurface:
-    known = Known(normals=surface.normals, cut_distance=surface.cut_distance, sparse=sparse)
+    known = Known(
+        normals=surface.normals,
+        cut_distance=surface.cut_distance,
+        dense=surface.dense,
+        sparse=surface.sparse.within(mask),
+        axes=surface.axes,
+        spectra=surface.spectra,
+    )
     return DescribedSurface(surface.working, reference=surface.reference, known=known)
 
 
