@@ -23,8 +23,8 @@ def pieces(count: int) -> list[Union]:
     return [Union.of_piece(TriangleMesh(SQUARE * (2 - 0.1 * k), FACES), k) for k in range(count)]
 
 
-def answer(chance: float, handedness: float = 0.1) -> Any:
-    return SimpleNamespace(chance=chance, handedness=handedness, taken=np.ones(4, dtype=bool))
+def answer(chance: float, *, twin: bool = False) -> Any:
+    return SimpleNamespace(chance=chance, twin=twin, taken=np.ones(4, dtype=bool))
 
 
 @pytest.fixture(autouse=True)
@@ -96,9 +96,9 @@ def test_what_was_sure_before_is_recalled_where_a_twin_draws_it_away() -> None:
     assert sorted(map(sorted, found.groups)) == [[0, 1, 2]]
 
 
-def test_where_a_mirror_image_fits_better_it_is_asked_elsewhere() -> None:
+def test_what_may_be_a_twin_is_asked_elsewhere() -> None:
     def meet(first: Union, second: Union, hints: Hints) -> Any:
-        return answer(0.5, -0.2) if hints.taken is None else answer(0.9)
+        return answer(0.5, twin=True) if hints.taken is None else answer(0.9)
 
     found = grown(pieces(2), np.ones((2, 2)), meet)
     assert found.joins[0].met.chance == 0.9

@@ -4,7 +4,7 @@ Two small pieces share little with each other, and a left leg looks like a right
 of what is joined already a piece shares more, and its own place there looks more like it than
 its twin's. So what was asked of a smaller union is asked again before it is believed. But a twin
 that was joined may draw it away from its own place; what was sure before is then recalled.
-And where a mirror image would fit better, the piece is asked elsewhere as well.
+And where only its handedness speaks against a place, the piece is asked elsewhere as well.
 """
 
 from __future__ import annotations
@@ -114,7 +114,7 @@ def _asked(first: Union, second: Union, meet: Meet, growth: Growth) -> Join:
     """The surest answer of two unions."""
     answers = [Join(first, second, meet(first, second, NO_HINTS))]
     met = answers[0].met
-    if met.handedness < 0 and met.taken.any():
+    if met.twin:
         answers.append(Join(first, second, meet(first, second, Hints(taken=met.taken))))
     before = _sure_before(first, second, growth)
     if before is not None and max(each.met.chance for each in answers) < SURE:

@@ -18,9 +18,10 @@ from sherd.correspondence.placements import anchor_problem
 from sherd.correspondence.question import Question
 from sherd.correspondence.shared.judgment import MIRROR_CHANCE
 from sherd.correspondence.shared.two_way_placement import SharedPlacement
+from sherd.results.advice import SURE
 from sherd.surface.transformed import mirrored, sampled_within
 
-__all__ = ["HANDEDNESS", "join_chance", "join_features"]
+__all__ = ["join_chance", "join_features", "may_be_a_twin"]
 
 # Distances between both directions, in sqrt(area) of the larger piece: their logarithm counts, from
 # the spacing of vertices on 10,000; see sherd.correspondence.shared.judgment.
@@ -36,12 +37,12 @@ MIRROR_ROUNDS = 2
 TURNED = 0.22
 # What strain counts as where nothing is shared: more than any right answer has.
 UNSHARED_STRAIN = 0.3
-# Which of the features it is.
+# Which of the features that is.
 HANDEDNESS = 5
 # A logistic regression over 72 questions of six puzzles of animated animals whose pieces reach half
 # as far again, of pieces and of unions, with weights kept small: of 23 right ones 4 are below 0.65,
-# of 49 wrong or foreign ones none is above (0.63 at the most); with each animal left out in turn 7
-# and 2. Without rims and strain it is 7 and 1 of those it was fitted to. Right is an error below
+# of 49 wrong or foreign ones none is above (0.63 at the most); with each animal left out in turn 9
+# and 1. Without rims and strain it is 7 and 1 of those it was fitted to. Right is an error below
 # 0.06.
 COEFFICIENTS = (1.0, 1.5, 3.5, -0.7, -4.8, 1.9, -31.0)
 
@@ -51,9 +52,17 @@ def join_chance(features: Floats) -> float:
 
     At most MIRROR_CHANCE where the mirror image clearly fits better.
     """
-    raw = 1.0 / (1.0 + np.exp(-features @ np.array(COEFFICIENTS)))
     most = MIRROR_CHANCE if features[HANDEDNESS] < -TURNED else MOST
-    return float(np.clip(raw, LEAST, most))
+    return float(np.clip(_logistic(features), LEAST, most))
+
+
+def may_be_a_twin(features: Floats) -> bool:
+    """Whether only its handedness speaks against it: a left leg on a right one."""
+    return bool(features[HANDEDNESS] < 0 and _logistic(features) >= SURE)
+
+
+def _logistic(features: Floats) -> float:
+    return float(1.0 / (1.0 + np.exp(-features @ np.array(COEFFICIENTS))))
 
 
 def join_features(

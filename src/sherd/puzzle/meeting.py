@@ -18,7 +18,7 @@ from sherd.correspondence.shared.two_way_placement import SharedPlacement, place
 from sherd.correspondence.working_placement import Queries, part_queries
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.overlap import STRETCH, prepare_both_ways, questions_of
-from sherd.puzzle.join_chance import HANDEDNESS, join_chance, join_features
+from sherd.puzzle.join_chance import join_chance, join_features, may_be_a_twin
 from sherd.results.overlap_options import OverlapOptions
 from sherd.surface.prepared import described_part
 from sherd.surface.transformed import sampled_within
@@ -59,15 +59,15 @@ class Meeting:
         Of both.
     chance
         That what they share is found rightly, and they belong together.
-    handedness
-        Below 0 where a mirror image would fit better: a left leg on a right one.
+    twin
+        Whether it may be a left leg on a right one: all speaks for it but its handedness.
     """
 
     questions: Both[Question]
     queries: Both[Queries]
     placements: Both[SharedPlacement]
     chance: float
-    handedness: float
+    twin: bool
 
     @property
     def taken(self) -> Bools:
@@ -116,5 +116,4 @@ def meeting(
     )
     placements = placed_together(questions, labelings, queries, strain=OverlapOptions().strain)
     features = join_features(labelings, questions, placements, seed)
-    handedness = float(features[HANDEDNESS])
-    return Meeting(questions, queries, placements, join_chance(features), handedness)
+    return Meeting(questions, queries, placements, join_chance(features), may_be_a_twin(features))
