@@ -10,13 +10,14 @@ from typing import Unpack
 
 import numpy as np
 
+from sherd.arrays import Ints
 from sherd.correspondence.shared.hints import kept_shape
 from sherd.errors import InputError
 from sherd.output import Stages
 from sherd.overlap import check_overlap_sizes
 from sherd.puzzle.growth import Growth, grown
 from sherd.puzzle.joined_maps import direct_maps
-from sherd.puzzle.meeting import Hints, Meeting, meeting
+from sherd.puzzle.meeting import Meeting, meeting
 from sherd.puzzle.pairs import pair_evidence
 from sherd.puzzle.synchronization import PieceMap, cycle_error, synchronized
 from sherd.puzzle.union import Union
@@ -110,7 +111,7 @@ def join(
         maps = synchronized(originals, direct, unit)
         errors = (
             cycle_error(originals, direct, unit),
-            cycle_error(originals, {pair: maps[pair] for pair in direct if pair in maps}, unit),
+            cycle_error(originals, maps, unit),
         )
     chances = _chances(growth)
     return Joined(
@@ -141,8 +142,8 @@ def join(
     )
 
 
-def _met(seed: int, first: Union, second: Union, hints: Hints) -> Meeting:
-    return meeting(first.mesh, second.mesh, seed, hints)
+def _met(seed: int, first: Union, second: Union, known: Ints) -> Meeting:
+    return meeting(first.mesh, second.mesh, seed, known)
 
 
 def _chances(growth: Growth) -> dict[tuple[int, int], float]:

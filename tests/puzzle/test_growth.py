@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from sherd.arrays import Ints
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.puzzle import growth
 from sherd.puzzle.growth import grown
-from sherd.puzzle.meeting import Hints
 from sherd.puzzle.union import Join, Union
 
 SQUARE = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
@@ -23,8 +23,8 @@ def pieces(count: int) -> list[Union]:
     return [Union.of_piece(TriangleMesh(SQUARE * (2 - 0.1 * k), FACES), k) for k in range(count)]
 
 
-def answer(chance: float, *, twin: bool = False) -> Any:
-    return SimpleNamespace(chance=chance, twin=twin, taken=np.ones(4, dtype=bool))
+def answer(chance: float) -> Any:
+    return SimpleNamespace(chance=chance)
 
 
 @pytest.fixture(autouse=True)
@@ -40,7 +40,7 @@ def _joined_without_geometry(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_a_chain_is_joined_and_what_is_foreign_stays_alone() -> None:
     asked = []
 
-    def meet(first: Union, second: Union, hints: Hints) -> Any:
+    def meet(first: Union, second: Union, known: Ints) -> Any:
         asked.append((first.members, second.members))
         near = any(abs(i - j) == 1 for i in first.members for j in second.members)
         return answer(0.9 if near and 4 not in second.members else 0.1)
@@ -53,7 +53,7 @@ def test_a_chain_is_joined_and_what_is_foreign_stays_alone() -> None:
 
 
 def test_a_twin_that_a_small_union_would_take_is_asked_again_first() -> None:
-    def meet(first: Union, second: Union, hints: Hints) -> Any:
+    def meet(first: Union, second: Union, known: Ints) -> Any:
         # alone 0 takes 2 for its own, but less surely than 1; with 1 it no longer does
         chance = {1: 0.95, 2: 0.9 if first.members == (0,) else 0.1}[second.members[0]]
         return answer(chance)
@@ -65,7 +65,7 @@ def test_a_twin_that_a_small_union_would_take_is_asked_again_first() -> None:
 def test_of_many_others_only_those_with_most_evidence_are_asked() -> None:
     asked = []
 
-    def meet(first: Union, second: Union, hints: Hints) -> Any:
+    def meet(first: Union, second: Union, known: Ints) -> Any:
         asked.append((first.members[0], second.members[0]))
         return answer(0.0)
 
@@ -76,7 +76,7 @@ def test_of_many_others_only_those_with_most_evidence_are_asked() -> None:
 
 
 def test_groups_that_both_grew_are_joined_at_last() -> None:
-    def meet(first: Union, second: Union, hints: Hints) -> Any:
+    def meet(first: Union, second: Union, known: Ints) -> Any:
         members = {*first.members, *second.members}
         sure = members in ({0, 1}, {2, 3}, {0, 1, 2, 3})
         return answer(0.9 if sure else 0.0)
@@ -86,19 +86,11 @@ def test_groups_that_both_grew_are_joined_at_last() -> None:
 
 
 def test_what_was_sure_before_is_recalled_where_a_twin_draws_it_away() -> None:
-    def meet(first: Union, second: Union, hints: Hints) -> Any:
+    def meet(first: Union, second: Union, known: Ints) -> Any:
         if second.members == (1,):
             return answer(0.95)
-        sure = first.members == (0,) or len(hints.known) == 1
+        sure = first.members == (0,) or len(known) == 1
         return answer(0.8 if sure else 0.1)
 
     found = grown(pieces(3), np.ones((3, 3)), meet)
     assert sorted(map(sorted, found.groups)) == [[0, 1, 2]]
-
-
-def test_what_may_be_a_twin_is_asked_elsewhere() -> None:
-    def meet(first: Union, second: Union, hints: Hints) -> Any:
-        return answer(0.5, twin=True) if hints.taken is None else answer(0.9)
-
-    found = grown(pieces(2), np.ones((2, 2)), meet)
-    assert found.joins[0].met.chance == 0.9

@@ -4,7 +4,6 @@ Two small pieces share little with each other, and a left leg looks like a right
 of what is joined already a piece shares more, and its own place there looks more like it than
 its twin's. So what was asked of a smaller union is asked again before it is believed. But a twin
 that was joined may draw it away from its own place; what was sure before is then recalled.
-And where only its handedness speaks against a place, the piece is asked elsewhere as well.
 """
 
 from __future__ import annotations
@@ -12,8 +11,10 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
-from sherd.arrays import Floats
-from sherd.puzzle.meeting import NO_HINTS, Hints, Meeting
+import numpy as np
+
+from sherd.arrays import Floats, Ints
+from sherd.puzzle.meeting import Meeting
 from sherd.puzzle.union import Join, Union, recalled, united
 from sherd.results.advice import SURE
 
@@ -23,8 +24,9 @@ __all__ = ["Growth", "grown"]
 # of a dozen that belong together each is asked two or three times.
 PARTNERS = 8
 
-# The larger union, the other one, and what is known of them.
-Meet = Callable[[Union, Union, Hints], Meeting]
+# The larger union, the other one, and pairs (p, 2) of vertices that lie on each other.
+Meet = Callable[[Union, Union, Ints], Meeting]
+NOTHING = np.empty((0, 2), dtype=np.int64)
 
 
 @dataclass(eq=False)
@@ -111,16 +113,13 @@ def _surest(
 
 
 def _asked(first: Union, second: Union, meet: Meet, growth: Growth) -> Join:
-    """The surest answer of two unions."""
-    answers = [Join(first, second, meet(first, second, NO_HINTS))]
-    met = answers[0].met
-    if met.twin:
-        answers.append(Join(first, second, meet(first, second, Hints(taken=met.taken))))
+    """The answer of two unions, or that with what was sure before recalled, if that is surer."""
+    join = Join(first, second, meet(first, second, NOTHING))
     before = _sure_before(first, second, growth)
-    if before is not None and max(each.met.chance for each in answers) < SURE:
-        known = recalled(before, first, second)
-        answers.append(Join(first, second, meet(first, second, Hints(known))))
-    return max(answers, key=lambda each: each.met.chance)
+    if before is None or join.met.chance >= SURE:
+        return join
+    again = Join(first, second, meet(first, second, recalled(before, first, second)))
+    return max(join, again, key=lambda each: each.met.chance)
 
 
 def _promise(here: Union, other: Union, growth: Growth) -> float:

@@ -18,10 +18,9 @@ from sherd.correspondence.placements import anchor_problem
 from sherd.correspondence.question import Question
 from sherd.correspondence.shared.judgment import MIRROR_CHANCE
 from sherd.correspondence.shared.two_way_placement import SharedPlacement
-from sherd.results.advice import SURE
 from sherd.surface.transformed import mirrored, sampled_within
 
-__all__ = ["join_chance", "join_features", "may_be_a_twin"]
+__all__ = ["join_chance", "join_features"]
 
 # Distances between both directions, in sqrt(area) of the larger piece: their logarithm counts, from
 # the spacing of vertices on 10,000; see sherd.correspondence.shared.judgment.
@@ -52,17 +51,9 @@ def join_chance(features: Floats) -> float:
 
     At most MIRROR_CHANCE where the mirror image clearly fits better.
     """
+    raw = 1.0 / (1.0 + np.exp(-features @ np.array(COEFFICIENTS)))
     most = MIRROR_CHANCE if features[HANDEDNESS] < -TURNED else MOST
-    return float(np.clip(_logistic(features), LEAST, most))
-
-
-def may_be_a_twin(features: Floats) -> bool:
-    """Whether only its handedness speaks against it: a left leg on a right one."""
-    return bool(features[HANDEDNESS] < 0 and _logistic(features) >= SURE)
-
-
-def _logistic(features: Floats) -> float:
-    return float(1.0 / (1.0 + np.exp(-features @ np.array(COEFFICIENTS))))
+    return float(np.clip(raw, LEAST, most))
 
 
 def join_features(

@@ -6,11 +6,11 @@ cut from one whole, what they share ends where one of both does.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from sherd.arrays import Bools, Ints
+from sherd.arrays import Ints
 from sherd.correspondence.labels.two_way import Both, two_way_labelings
 from sherd.correspondence.placements import anchor_problem
 from sherd.correspondence.question import NO_PINS, Question
@@ -18,33 +18,14 @@ from sherd.correspondence.shared.two_way_placement import SharedPlacement, place
 from sherd.correspondence.working_placement import Queries, part_queries
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.overlap import STRETCH, prepare_both_ways, questions_of
-from sherd.puzzle.join_chance import join_chance, join_features, may_be_a_twin
+from sherd.puzzle.join_chance import join_chance, join_features
 from sherd.results.overlap_options import OverlapOptions
 from sherd.surface.prepared import described_part
-from sherd.surface.transformed import sampled_within
 from sherd.threads import one_blas_thread
 
-__all__ = ["NO_HINTS", "Hints", "Meeting", "meeting"]
+__all__ = ["Meeting", "meeting"]
 
-
-@dataclass(frozen=True, eq=False)
-class Hints:
-    """What is known of two surfaces beforehand.
-
-    Attributes
-    ----------
-    known
-        (p, 2) vertices of the first and the second that lie on each other.
-    taken
-        (n,) bool, vertices of the first one's working mesh where the second shall not lie; nothing
-        if None.
-    """
-
-    known: Ints = field(default_factory=lambda: np.empty((0, 2), dtype=np.int64))
-    taken: Bools | None = None
-
-
-NO_HINTS = Hints()
+NOTHING_KNOWN = np.empty((0, 2), dtype=np.int64)
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,25 +40,17 @@ class Meeting:
         Of both.
     chance
         That what they share is found rightly, and they belong together.
-    twin
-        Whether it may be a left leg on a right one: all speaks for it but its handedness.
     """
 
     questions: Both[Question]
     queries: Both[Queries]
     placements: Both[SharedPlacement]
     chance: float
-    twin: bool
-
-    @property
-    def taken(self) -> Bools:
-        """(n,) where on the first one's working mesh the second lies."""
-        return self.placements[1].shared
 
 
 @one_blas_thread()
 def meeting(
-    first: TriangleMesh, second: TriangleMesh, seed: int, hints: Hints = NO_HINTS
+    first: TriangleMesh, second: TriangleMesh, seed: int, known: Ints = NOTHING_KNOWN
 ) -> Meeting:
     """Ask what two surfaces share, in units of sqrt(area) of the larger one.
 
@@ -87,10 +60,10 @@ def meeting(
         Without what needs repair, in one unit of length.
     seed
         Of all random choices.
-    hints
-        They rule labels out; places are found without them.
+    known
+        (p, 2) vertices of the first and the second that lie on each other. They rule labels out;
+        places are found without them.
     """
-    known = hints.known
     unit = max(first.length, second.length)
     surfaces = (
         described_part(first, unit, sampled_at=known[:, 0]),
@@ -98,13 +71,10 @@ def meeting(
     )
     for surface in surfaces:
         prepare_both_ways(surface)
-    free = None if hints.taken is None else ~hints.taken
-    if free is not None and free[surfaces[0].sparse.vertices].any():
-        surfaces = (sampled_within(surfaces[0], free), surfaces[1])
     there, back = questions_of(surfaces, known, unknown=False)
     questions = (there.with_stretch(STRETCH), back.with_stretch(STRETCH))
     problems = (
-        anchor_problem(replace(questions[0], free=free), np.random.default_rng(seed)),
+        anchor_problem(questions[0], np.random.default_rng(seed)),
         anchor_problem(questions[1], np.random.default_rng(seed)),
     )
     rngs = (np.random.default_rng(seed + 1), np.random.default_rng(seed + 1))

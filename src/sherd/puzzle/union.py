@@ -122,6 +122,8 @@ def recalled(join: Join, first: Union, second: Union) -> Ints:
     nodes = question.part.sparse
     order = nodes.vertices[nodes.farthest_first]
     order = order[place.shared[order]]
+    if not len(order):
+        return np.empty((0, 2), dtype=np.int64)
     sure = place.apart[order] <= np.median(place.apart[order])
     chosen = order[sure][:RECALLED]
     feet = place.trip.points[chosen].nearest_vertices(question.full.mesh)
