@@ -86,4 +86,4 @@ def meeting(
     )
     placements = placed_together(questions, labelings, queries, strain=OverlapOptions().strain)
     features = join_features(labelings, questions, placements, seed)
-    return Meeting(questions, queries, placements, join_chance(features), may_be_a_twin(features))
+    return Meeting(questions, queries, placements, join_chance(features))
