@@ -15,12 +15,12 @@ from sherd.correspondence.shared.hints import kept_shape
 from sherd.errors import InputError
 from sherd.output import Stages
 from sherd.overlap import check_overlap_sizes
-from sherd.puzzle.growth import Growth, grown
-from sherd.puzzle.joined_maps import direct_maps
-from sherd.puzzle.meeting import Meeting, meeting
+from sherd.puzzle.growing.growth import Growth, grown
+from sherd.puzzle.growing.joined_maps import direct_maps
+from sherd.puzzle.growing.meeting import Meeting, meeting
+from sherd.puzzle.growing.union import Union
 from sherd.puzzle.pairs import pair_evidence
 from sherd.puzzle.synchronization import PieceMap, cycle_error, synchronized
-from sherd.puzzle.union import Union
 from sherd.results.keywords import options_of
 from sherd.results.overlap_result import SharedMap
 from sherd.results.puzzle.assemble_options import AssembleKeywords, AssembleOptions

@@ -10,9 +10,9 @@ import pytest
 
 from sherd.arrays import Ints
 from sherd.mesh.triangle_mesh import TriangleMesh
-from sherd.puzzle import growth
-from sherd.puzzle.growth import grown
-from sherd.puzzle.union import Join, Union
+from sherd.puzzle.growing import growth
+from sherd.puzzle.growing.growth import grown
+from sherd.puzzle.growing.union import Join, Union
 
 SQUARE = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
 FACES = [[0, 1, 2], [0, 2, 3]]

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sherd.puzzle.joined_maps import direct_maps
-from sherd.puzzle.meeting import Meeting, meeting
-from sherd.puzzle.union import Join, Union, recalled, united
+from sherd.puzzle.growing.joined_maps import direct_maps
+from sherd.puzzle.growing.meeting import Meeting, meeting
+from sherd.puzzle.growing.union import Join, Union, recalled, united
 from sherd.results.advice import SURE
 from sherd.shapes import creature, cut_by_ball, landmarks, moved, whole
 from sherd.shapes.fragment import Fragment

@@ -18,7 +18,7 @@ from sherd.correspondence.shared.two_way_placement import SharedPlacement, place
 from sherd.correspondence.working_placement import Queries, part_queries
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.overlap import STRETCH, prepare_both_ways, questions_of
-from sherd.puzzle.join_chance import join_chance, join_features
+from sherd.puzzle.growing.join_chance import join_chance, join_features
 from sherd.results.overlap_options import OverlapOptions
 from sherd.surface.prepared import described_part
 from sherd.threads import one_blas_thread

@@ -11,8 +11,8 @@ from sherd.correspondence.registration import surface_points
 from sherd.correspondence.shared.judgment import shared_confidence
 from sherd.mesh.surface_points import closest_points
 from sherd.mesh.triangle_mesh import TriangleMesh
+from sherd.puzzle.growing.union import Join, Union
 from sherd.puzzle.synchronization import TORN, PieceMap
-from sherd.puzzle.union import Join, Union
 
 __all__ = ["direct_maps"]
 

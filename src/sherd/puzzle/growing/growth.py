@@ -14,8 +14,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from sherd.arrays import Floats, Ints
-from sherd.puzzle.meeting import Meeting
-from sherd.puzzle.union import Join, Union, recalled, united
+from sherd.puzzle.growing.meeting import Meeting
+from sherd.puzzle.growing.union import Join, Union, recalled, united
 from sherd.results.advice import SURE
 
 __all__ = ["Growth", "grown"]
