@@ -34,6 +34,7 @@ def _joined_without_geometry(monkeypatch: pytest.MonkeyPatch) -> None:
         return Union(here.mesh, here.owner, here.places, (*here.members, *there.members))
 
     monkeypatch.setattr(growth, "united", stand_in)
+    monkeypatch.setattr(growth, "crowding", lambda one, other: 0.0)
     monkeypatch.setattr(growth, "recalled", lambda join, first, second: np.array([[7, 7]]))
 
 
@@ -94,3 +95,19 @@ def test_what_was_sure_before_is_recalled_where_a_twin_draws_it_away() -> None:
 
     found = grown(pieces(3), np.ones((3, 3)), meet)
     assert sorted(map(sorted, found.groups)) == [[0, 1, 2]]
+
+
+def test_of_two_in_one_place_neither_is_joined_unless_one_is_far_surer(monkeypatch) -> None:
+    monkeypatch.setattr(growth, "crowding", lambda one, other: 0.9)
+
+    def meet(surer: float) -> Any:
+        def asked(first: Union, second: Union, known: Ints) -> Any:
+            alone = first.members == (0,)
+            return answer({1: surer, 2: 0.8}[second.members[0]] if alone else 0.1)
+
+        return asked
+
+    close = grown(pieces(3), np.ones((3, 3)), meet(0.85))
+    assert sorted(map(sorted, close.groups)) == [[0], [1], [2]]
+    clear = grown(pieces(3), np.ones((3, 3)), meet(0.97))
+    assert sorted(map(sorted, clear.groups)) == [[0, 1], [2]]

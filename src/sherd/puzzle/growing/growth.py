@@ -15,7 +15,7 @@ import numpy as np
 
 from sherd.arrays import Floats, Ints
 from sherd.puzzle.growing.meeting import Meeting
-from sherd.puzzle.growing.union import Join, Union, recalled, united
+from sherd.puzzle.growing.union import Join, Union, crowding, recalled, united
 from sherd.results.advice import SURE
 
 __all__ = ["Growth", "grown"]
@@ -23,6 +23,11 @@ __all__ = ["Growth", "grown"]
 # A union asks so many others, those that cheap evidence ranks first. So seven pieces ask all, and
 # of a dozen that belong together each is asked two or three times.
 PARTNERS = 8
+# Above all chances: who was never asked is asked first.
+UNASKED = 2.0
+# Of two that are laid on more than half of one place one is wrong, as two arms of a person; neither
+# is joined there unless its odds are three times those of the other.
+CROWD, DECIDED = 0.5, 3.0
 
 # The larger union, the other one, and pairs (p, 2) of vertices that lie on each other.
 Meet = Callable[[Union, Union, Ints], Meeting]
@@ -96,6 +101,7 @@ def _surest(
     }
     partners = sorted(others, key=lambda other: -rank[other.members])[:PARTNERS]
     best: Join | None = None
+    sure: list[Join] = []
     waiting = sorted(partners, key=lambda other: -_promise(here, other, growth))
     for other in waiting:
         if best is not None and best.met.chance >= _promise(here, other, growth):
@@ -107,9 +113,39 @@ def _surest(
         growth.chances[first.members, second.members] = join.met.chance
         if join.met.chance >= SURE:
             growth.sure.append(join)
-            if best is None or join.met.chance > best.met.chance:
-                best = join
-    return best
+            sure.append(join)
+            best = max(sure, key=_chance)
+    undisputed = [join for join in sure if not _disputed(join, others, growth)]
+    return max(undisputed, key=_chance, default=None)
+
+
+def _disputed(join: Join, others: Sequence[Union], growth: Growth) -> bool:
+    """Whether another piece is laid on the same place about as surely, so one of both is wrong.
+
+    Or both are right and overlap; then one of them is joined by way of something else.
+    """
+    rivals = [
+        other
+        for other in others
+        if other.members != join.second.members and _promise(join.first, other, growth) >= SURE
+    ]
+    for rival in rivals:
+        before = _sure_before(join.first, rival, growth)
+        if (
+            before is not None
+            and _odds(join) < DECIDED * _odds(before)
+            and crowding(join, before) > CROWD
+        ):
+            return True
+    return False
+
+
+def _chance(join: Join) -> float:
+    return join.met.chance
+
+
+def _odds(join: Join) -> float:
+    return join.met.chance / (1.0 - join.met.chance)
 
 
 def _asked(first: Union, second: Union, meet: Meet, growth: Growth) -> Join:
@@ -125,7 +161,7 @@ def _asked(first: Union, second: Union, meet: Meet, growth: Growth) -> Join:
 def _promise(here: Union, other: Union, growth: Growth) -> float:
     """The chance when parts of both were asked last; above all if they never were."""
     own, its = set(here.members), set(other.members)
-    found = 2.0
+    found = UNASKED
     for (first, second), chance in growth.chances.items():
         if (own >= set(first) and its >= set(second)) or (own >= set(second) and its >= set(first)):
             found = chance

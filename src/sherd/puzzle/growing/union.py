@@ -28,7 +28,7 @@ from sherd.scan.intake import scan_intake
 from sherd.scan.surface_from_points import surface_from_points
 from sherd.surface.described import DescribedSurface
 
-__all__ = ["Join", "Union", "recalled", "united"]
+__all__ = ["Join", "Union", "crowding", "recalled", "united"]
 
 # In edges of the first piece. What lies over its inside, and no farther off, is a second layer of
 # the same skin: farther off it is something that only comes near.
@@ -141,6 +141,30 @@ def recalled(join: Join, first: Union, second: Union) -> Ints:
         if sides == {0, 1}:
             pairs.append([vertex for _, vertex in sorted(found)])
     return np.array(pairs, dtype=np.int64).reshape(-1, 2)
+
+
+def crowding(one: Join, other: Join) -> float:
+    """Share of the smaller place that two pieces have on a third one that is the other's too.
+
+    Both were laid on unions that have the third piece.
+    """
+    owners, places = _taken(one)
+    others, further = _taken(other)
+    reach = LAYER * one.first.mesh.mean_edge_length
+    common = 0
+    for piece in np.intersect1d(owners, others):
+        tree = cKDTree(further[others == piece])
+        near = tree.query(places[owners == piece], distance_upper_bound=reach)[0]
+        common += int(np.isfinite(near).sum())
+    return common / max(min(len(owners), len(others)), 1)
+
+
+def _taken(join: Join) -> tuple[Ints, Floats]:
+    """Where the second lies on the first: pieces (q,) and places (q, 3) there."""
+    question = join.met.questions[0]
+    owners, places = _origins(join.first, question.full)
+    shared = join.met.placements[1].shared
+    return owners[shared], places[shared]
 
 
 def _vertex_at(first: Union, second: Union, owner: int, place: Floats) -> tuple[int, int]:
