@@ -114,9 +114,10 @@ def _surest(
         if join.met.chance >= SURE:
             growth.sure.append(join)
             sure.append(join)
-            best = max(sure, key=_chance)
-    undisputed = [join for join in sure if not _disputed(join, others, growth)]
-    return max(undisputed, key=_chance, default=None)
+            # who is asked later may dispute what was in nobody's place before
+            undisputed = [each for each in sure if not _disputed(each, others, growth)]
+            best = max(undisputed, key=_chance, default=None)
+    return best
 
 
 def _disputed(join: Join, others: Sequence[Union], growth: Growth) -> bool:
@@ -154,7 +155,10 @@ def _asked(first: Union, second: Union, meet: Meet, growth: Growth) -> Join:
     before = _sure_before(first, second, growth)
     if before is None or join.met.chance >= SURE:
         return join
-    again = Join(first, second, meet(first, second, recalled(before, first, second)))
+    known = recalled(before, first, second)
+    if not len(known):
+        return join
+    again = Join(first, second, meet(first, second, known))
     return max(join, again, key=lambda each: each.met.chance)
 
 
