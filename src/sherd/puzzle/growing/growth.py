@@ -25,6 +25,8 @@ __all__ = ["Growth", "grown"]
 PARTNERS = 8
 # Above all chances: who was never asked is asked first.
 UNASKED = 2.0
+# Two groups may remember several pieces that lay on both, not all of them rightly.
+MEMORIES = 2
 # Of two that are laid on more than half of one place one is wrong, as two arms of a person; neither
 # is joined there unless its odds are three times those of the other.
 CROWD, DECIDED = 0.5, 3.0
@@ -131,13 +133,9 @@ def _disputed(join: Join, others: Sequence[Union], growth: Growth) -> bool:
         if other.members != join.second.members and _promise(join.first, other, growth) >= SURE
     ]
     for rival in rivals:
-        before = _sure_before(join.first, rival, growth)
-        if (
-            before is not None
-            and _odds(join) < DECIDED * _odds(before)
-            and crowding(join, before) > CROWD
-        ):
-            return True
+        for before in _sure_before(join.first, rival, growth):
+            if _odds(join) < DECIDED * _odds(before) and crowding(join, before) > CROWD:
+                return True
     return False
 
 
@@ -151,15 +149,13 @@ def _odds(join: Join) -> float:
 
 def _asked(first: Union, second: Union, meet: Meet, growth: Growth) -> Join:
     """The answer of two unions, or that with what was sure before recalled, if that is surer."""
-    join = Join(first, second, meet(first, second, NOTHING))
-    before = _sure_before(first, second, growth)
-    if before is None or join.met.chance >= SURE:
-        return join
-    known = recalled(before, first, second)
-    if not len(known):
-        return join
-    again = Join(first, second, meet(first, second, known))
-    return max(join, again, key=lambda each: each.met.chance)
+    answers = [Join(first, second, meet(first, second, NOTHING))]
+    if answers[0].met.chance < SURE:
+        for before in _sure_before(first, second, growth)[:MEMORIES]:
+            known = recalled(before, first, second)
+            if len(known):
+                answers.append(Join(first, second, meet(first, second, known)))
+    return max(answers, key=_chance)
 
 
 def _promise(here: Union, other: Union, growth: Growth) -> float:
@@ -172,13 +168,12 @@ def _promise(here: Union, other: Union, growth: Growth) -> float:
     return found
 
 
-def _sure_before(first: Union, second: Union, growth: Growth) -> Join | None:
-    """The surest join of parts of both."""
+def _sure_before(first: Union, second: Union, growth: Growth) -> list[Join]:
+    """What was sure of parts of both, the surest first; of the same piece what was said last."""
     own, its = set(first.members), set(second.members)
-    found = [
-        join
-        for join in growth.sure
-        if (own >= set(join.first.members) and its >= set(join.second.members))
-        or (own >= set(join.second.members) and its >= set(join.first.members))
-    ]
-    return max(found, key=lambda join: join.met.chance, default=None)
+    found = {}
+    for join in growth.sure:
+        sides = (set(join.first.members), set(join.second.members))
+        if (own >= sides[0] and its >= sides[1]) or (own >= sides[1] and its >= sides[0]):
+            found[join.second.members] = join
+    return sorted(found.values(), key=lambda join: -join.met.chance)

@@ -125,21 +125,19 @@ def recalled(join: Join, first: Union, second: Union) -> Ints:
     if not len(order):
         return np.empty((0, 2), dtype=np.int64)
     sure = place.apart[order] <= np.median(place.apart[order])
-    chosen = order[sure][:RECALLED]
-    feet = place.trip.points[chosen].nearest_vertices(question.full.mesh)
-    ends = (
-        (_origins(join.first, question.full), feet),
-        (_origins(join.second, question.part), chosen),
-    )
-    pairs = []
-    for row in range(len(chosen)):
+    owner, places = _origins(join.second, question.part)
+    owners, further = _origins(join.first, question.full)
+    pairs: list[list[int]] = []
+    for vertex in order[sure]:
+        foot = int(place.trip.points[[vertex]].nearest_vertices(question.full.mesh)[0])
         found = [
-            _vertex_at(first, second, int(owner[at[row]]), places[at[row]])
-            for (owner, places), at in ends
+            _vertex_at(first, second, int(owner[vertex]), places[vertex]),
+            _vertex_at(first, second, int(owners[foot]), further[foot]),
         ]
-        sides = {side for side, _ in found}
-        if sides == {0, 1}:
-            pairs.append([vertex for _, vertex in sorted(found)])
+        if {side for side, _ in found} == {0, 1}:
+            pairs.append([at for _, at in sorted(found)])
+        if len(pairs) == RECALLED:
+            break
     return np.array(pairs, dtype=np.int64).reshape(-1, 2)
 
 
