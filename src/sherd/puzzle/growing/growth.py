@@ -25,8 +25,6 @@ __all__ = ["Growth", "grown"]
 PARTNERS = 8
 # Above all chances: who was never asked is asked first.
 UNASKED = 2.0
-# Two groups may remember several pieces that lay on both, not all of them rightly.
-MEMORIES = 2
 # Of two that are laid on more than half of one place one is wrong, as two arms of a person; neither
 # is joined there unless its odds are three times those of the other.
 CROWD, DECIDED = 0.5, 3.0
@@ -149,13 +147,15 @@ def _odds(join: Join) -> float:
 
 def _asked(first: Union, second: Union, meet: Meet, growth: Growth) -> Join:
     """The answer of two unions, or that with what was sure before recalled, if that is surer."""
-    answers = [Join(first, second, meet(first, second, NOTHING))]
-    if answers[0].met.chance < SURE:
-        for before in _sure_before(first, second, growth)[:MEMORIES]:
-            known = recalled(before, first, second)
-            if len(known):
-                answers.append(Join(first, second, meet(first, second, known)))
-    return max(answers, key=_chance)
+    join = Join(first, second, meet(first, second, NOTHING))
+    before = next(iter(_sure_before(first, second, growth)), None)
+    if before is None or join.met.chance >= SURE:
+        return join
+    known = recalled(before, first, second)
+    if not len(known):
+        return join
+    again = Join(first, second, meet(first, second, known))
+    return max(join, again, key=_chance)
 
 
 def _promise(here: Union, other: Union, growth: Growth) -> float:
