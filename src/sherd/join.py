@@ -81,7 +81,7 @@ def join(
     --------
     >>> from sherd.shapes import creature, puzzle_pieces
     >>> full, walking = creature(5000), creature(5000, pose="walk")
-    >>> pieces = puzzle_pieces(full, [walking, full], overlap=0.3)
+    >>> pieces = puzzle_pieces(full, [walking, full], overlap=0.5)
     >>> join([piece.mesh for piece in pieces]).groups
     ((0, 1),)
     """
