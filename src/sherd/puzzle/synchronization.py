@@ -18,7 +18,7 @@ from sherd.arrays import Bools, Floats
 from sherd.mesh.surface_points import SurfacePoints, closest_points
 from sherd.mesh.triangle_mesh import TriangleMesh
 
-__all__ = ["PieceMap", "consistent_pairs", "cycle_error", "synchronized"]
+__all__ = ["TORN", "PieceMap", "cycle_error", "synchronized"]
 
 ROUNDS = 2
 WEISZFELD = 8
@@ -81,32 +81,6 @@ def synchronized(
                 after[here, there] = spoken
         found = after
     return found
-
-
-def consistent_pairs(
-    pieces: Sequence[TriangleMesh],
-    maps: Maps,
-    chances: Mapping[tuple[int, int], float],
-    unit: float,
-) -> list[tuple[int, int]]:
-    """The pairs without those that loops of three contradict: of each such loop the least likely.
-
-    Parameters
-    ----------
-    pieces, maps, unit
-        As in :func:`synchronized`.
-    chances
-        Of each pair (first, second), first < second, to be right.
-    """
-    kept = set(chances)
-    for i, j, k in combinations(range(len(pieces)), 3):
-        loop = [(i, j), (j, k), (i, k)]
-        if not set(loop) <= kept:
-            continue
-        some = {pair: found for pair, found in maps.items() if (min(pair), max(pair)) in loop}
-        if cycle_error(pieces, some, unit) > AGREE:
-            kept.discard(min(loop, key=lambda pair: chances[pair]))
-    return sorted(kept)
 
 
 def cycle_error(pieces: Sequence[TriangleMesh], maps: Maps, unit: float) -> float:

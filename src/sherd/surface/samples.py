@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sherd.arrays import Floats, Ints, Singles, field_state
+from sherd.arrays import Bools, Floats, Ints, Singles, field_state
 from sherd.descriptors.tangent_frames import geodesic_directions
 from sherd.mesh.surface_points import closest_points
 from sherd.mesh.triangle_mesh import TriangleMesh
@@ -89,7 +89,14 @@ class Samples:
 
     def thinned(self, count: int) -> Samples:
         """At most `count` of the samples, those that lie farthest apart, in the same order."""
-        chosen = self.farthest_first[:count]
+        return self._only(self.farthest_first[:count])
+
+    def within(self, mask: Bools) -> Samples:
+        """Those that lie in `mask` (n,), in the same order."""
+        inside = mask[self.vertices[self.farthest_first]]
+        return self._only(self.farthest_first[inside])
+
+    def _only(self, chosen: Ints) -> Samples:
         kept = np.sort(chosen)
         return Samples(
             vertices=self.vertices[kept],

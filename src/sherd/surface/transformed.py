@@ -6,12 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 
+from sherd.arrays import Bools
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.surface.described import NO_CUT, DescribedSurface, Known
 from sherd.surface.working import WorkingSurface
 
-__all__ = ["coarsely_labeled", "enlarged", "mirrored", "thinned"]
+__all__ = ["coarsely_labeled", "enlarged", "mirrored", "sampled_within", "thinned"]
 
 FLIP = np.array([-1.0, 1.0, 1.0])
 
@@ -61,6 +62,19 @@ def thinned(surface: DescribedSurface, count: int) -> DescribedSurface:
             sparse=surface.sparse.thinned(count),
         ),
     )
+
+
+def sampled_within(surface: DescribedSurface, mask: Bools) -> DescribedSurface:
+    """The surface with those of its sparse samples that lie in `mask` (n,)."""
+    known = Known(
+        normals=surface.normals,
+        cut_distance=surface.cut_distance,
+        dense=surface.dense,
+        sparse=surface.sparse.within(mask),
+        axes=surface.axes,
+        spectra=surface.spectra,
+    )
+    return DescribedSurface(surface.working, reference=surface.reference, known=known)
 
 
 def coarsely_labeled(surface: DescribedSurface) -> DescribedSurface:

@@ -30,11 +30,11 @@ class PairAnswer:
     evidence
         Share of a few nodes that are worth more than chance on the other piece, in [0, 1]; cheap.
     asked
-        Whether the pair was worth a full question.
+        Whether they were on different sides of a full question, alone or with their groups.
     chance
-        That what both share was found rightly; 0 if it was not asked.
+        The highest of these, that what both sides share was found rightly; 0 if not asked.
     joined
-        Whether both belong together by this pair.
+        Whether one was laid on the other when their groups were joined.
     """
 
     first: int
@@ -62,7 +62,8 @@ class Joined(FrozenState):
         whether there is one, and how surely; made consistent around loops.
     cycle_before, cycle_after
         Mean distance between a vertex and where it comes back to around loops of three pieces, in
-        sqrt(area) of the largest piece, before and after; NaN without loops.
+        sqrt(area) of the largest piece: of what joins said, and of `maps`; NaN without loops. A
+        place of a group is known from one piece, so joins alone seldom make a loop.
     timings
         Seconds by stage.
     options, version

@@ -1,0 +1,278 @@
+"""Pieces that were found to overlap, as one surface: the first as it is, and what others add.
+
+The second piece was laid on the first as an elastic surface; where the first has nothing it floats
+on, carried by its elasticity. Its faces there are added, and triangles close the seam. So the union
+has the pose of the first piece, and shares more with a third piece than either.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from sherd.arrays import Bools, Floats, Ints
+from sherd.correspondence.elastic_kernel import fit_rotations
+from sherd.correspondence.question import Question
+from sherd.correspondence.registration import Deformation, registered_to_positions
+from sherd.correspondence.shared.round_trip import on_border
+from sherd.errors import InvalidMeshError
+from sherd.mesh.geometry import edge_lengths, vertex_normals
+from sherd.mesh.point_cloud import PointCloud
+from sherd.mesh.surface_points import closest_points
+from sherd.mesh.topology import component_labels
+from sherd.mesh.triangle_mesh import TriangleMesh
+from sherd.puzzle.growing.meeting import Meeting
+from sherd.scan.intake import scan_intake
+from sherd.scan.surface_from_points import surface_from_points
+from sherd.surface.described import DescribedSurface
+
+__all__ = ["Join", "Union", "crowding", "recalled", "united"]
+
+# In edges of the first piece. What lies over its inside, and no farther off, is a second layer of
+# the same skin: farther off it is something that only comes near.
+LAYER = 2.0
+# A vertex as near to one of the first piece would make slivers in the seam.
+CROWDED = 0.5
+# What is shared within this of the rest, the width of a limb, says how the rest begins.
+BESIDE = 0.1
+# So many places fix a placement on a surface, also if one of them is gone.
+RECALLED = 4
+# Rounds of elasticity until what floats lies still.
+FLOAT_ROUNDS = 30
+
+
+@dataclass(frozen=True, eq=False)
+class Union:
+    """One piece or several as one surface.
+
+    Attributes
+    ----------
+    mesh
+        In the pose, frame and unit of the first piece.
+    owner
+        (n,) the piece that each vertex is from.
+    places
+        (n, 3) where on that piece, in the piece's own frame.
+    members
+        The pieces, the first one first.
+    """
+
+    mesh: TriangleMesh
+    owner: Ints
+    places: Floats
+    members: tuple[int, ...]
+
+    @classmethod
+    def of_piece(cls, mesh: TriangleMesh, number: int) -> Union:
+        """One piece alone."""
+        return cls(mesh, np.full(mesh.vertex_count, number), np.asarray(mesh.vertices), (number,))
+
+    def faces_of(self, piece: int) -> Ints:
+        """The faces (f, 3) all corners of which are from one piece."""
+        faces: Ints = self.mesh.faces[(self.owner[self.mesh.faces] == piece).all(axis=1)]
+        return faces
+
+
+@dataclass(frozen=True, eq=False)
+class Join:
+    """Two unions that are joined, and what was found of them; `first` gives the pose."""
+
+    first: Union
+    second: Union
+    met: Meeting
+
+
+def united(join: Join) -> Union:
+    """The union of both."""
+    here, there = join.first, join.second
+    question, place = join.met.questions[0], join.met.placements[0]
+    first, second = question.full.mesh, question.part.mesh
+    laid = _floating(question, place.deformation, place.shared)
+    normals = vertex_normals(laid, second.faces)
+    added = _beyond(question.full, laid, normals) & ~place.shared
+    points = np.concatenate([first.vertices, laid])
+    facing = np.concatenate([first.vertex_normals, normals])
+    beside = second.faces[added[second.faces].all(axis=1)] + first.vertex_count
+    faces = np.concatenate([first.faces, beside])
+    used = np.zeros(len(points), dtype=bool)
+    used[first.faces] = True
+    used[first.vertex_count :] |= added
+    seam = _seam(points, facing, faces, np.flatnonzero(used), first.vertex_count)
+    faces = np.concatenate([faces, seam])
+    kept, renamed = np.unique(faces, return_inverse=True)
+    unit = max(here.mesh.length, there.mesh.length)
+    rough = TriangleMesh(points[kept] * unit, renamed.reshape(-1, 3), name=here.mesh.name)
+    origins = [_origins(here, question.full), _origins(there, question.part)]
+    owner = np.concatenate([each[0] for each in origins])[kept]
+    places = np.concatenate([each[1] for each in origins])[kept]
+    intake = scan_intake(rough)
+    rows = _first_of_each(intake.report.new_vertices, intake.mesh.vertex_count)
+    return Union(intake.mesh, owner[rows], places[rows], (*here.members, *there.members))
+
+
+def recalled(join: Join, first: Union, second: Union) -> Ints:
+    """A few pairs (p, 2) of vertices of larger unions that lie on each other by an earlier join.
+
+    Of what both directions agreed on best some that lie far apart; none where larger unions no
+    longer have the place.
+    """
+    question, place = join.met.questions[0], join.met.placements[0]
+    nodes = question.part.sparse
+    order = nodes.vertices[nodes.farthest_first]
+    order = order[place.shared[order]]
+    if not len(order):
+        return np.empty((0, 2), dtype=np.int64)
+    sure = place.apart[order] <= np.median(place.apart[order])
+    owner, places = _origins(join.second, question.part)
+    owners, further = _origins(join.first, question.full)
+    pairs: list[list[int]] = []
+    for vertex in order[sure]:
+        foot = int(place.trip.points[[vertex]].nearest_vertices(question.full.mesh)[0])
+        found = [
+            _vertex_at(first, second, int(owner[vertex]), places[vertex]),
+            _vertex_at(first, second, int(owners[foot]), further[foot]),
+        ]
+        if {side for side, _ in found} == {0, 1}:
+            pairs.append([at for _, at in sorted(found)])
+        if len(pairs) == RECALLED:
+            break
+    return np.array(pairs, dtype=np.int64).reshape(-1, 2)
+
+
+def crowding(one: Join, other: Join) -> float:
+    """Share of the smaller place that two pieces have on a third one that is the other's too.
+
+    Both were laid on unions that have the third piece.
+    """
+    owners, places = _taken(one)
+    others, further = _taken(other)
+    reach = LAYER * one.first.mesh.mean_edge_length
+    common = 0
+    for piece in np.intersect1d(owners, others):
+        tree = cKDTree(further[others == piece])
+        near = tree.query(places[owners == piece], distance_upper_bound=reach)[0]
+        common += int(np.isfinite(near).sum())
+    return common / max(min(len(owners), len(others)), 1)
+
+
+def _taken(join: Join) -> tuple[Ints, Floats]:
+    """Where the second lies on the first: pieces (q,) and places (q, 3) there."""
+    question = join.met.questions[0]
+    owners, places = _origins(join.first, question.full)
+    shared = join.met.placements[1].shared
+    return owners[shared], places[shared]
+
+
+def _vertex_at(first: Union, second: Union, owner: int, place: Floats) -> tuple[int, int]:
+    """Which of two unions has a place of a piece (0 or 1; -1: neither), and its vertex there."""
+    side = 0 if owner in first.members else 1
+    union = (first, second)[side]
+    rows = np.flatnonzero(union.owner == owner)
+    if not len(rows):
+        return -1, -1
+    off = np.linalg.norm(union.places[rows] - place, axis=1)
+    nearest = int(off.argmin())
+    if off[nearest] > LAYER * union.mesh.mean_edge_length:
+        return -1, -1
+    return side, int(rows[nearest])
+
+
+def _floating(question: Question, laid: Deformation, shared: Bools) -> Floats:
+    """Positions (n, 3) of the part: what is shared where it lies, the rest carried by elasticity.
+
+    Each component of the rest begins at the rigid motion of what is shared beside it. Where it was
+    before says nothing: a placement moves it in a few rounds, which is too few to unfold it.
+    """
+    part = question.part
+    rest, faces = part.mesh.vertices, part.mesh.faces
+    start = laid.positions.copy()
+    if shared.all() or not shared.any():
+        return start
+    labels = component_labels(faces[~shared[faces].any(axis=1)], len(rest))
+    held = np.flatnonzero(shared)
+    for label in np.unique(labels[~shared]):
+        rows = np.flatnonzero(~shared & (labels == label))
+        away = np.asarray(cKDTree(rest[rows]).query(rest[held])[0])
+        weights = part.mesh.vertex_areas[held] * np.exp(-(away - away.min()) / BESIDE)
+        turn, shift = _rigid_motion(rest[held], laid.positions[held], weights)
+        start[rows] = rest[rows] @ turn.T + shift
+    begun = Deformation(start, fit_rotations(part.elastic, start))
+    floated = registered_to_positions(
+        question, begun, laid.positions, rounds=FLOAT_ROUNDS, present=shared.astype(np.float64)
+    )
+    return floated.positions
+
+
+def _rigid_motion(here: Floats, there: Floats, weights: Floats) -> tuple[Floats, Floats]:
+    """The rotation (3, 3) and shift (3,) that bring points (n, 3) nearest to others; Kabsch."""
+    share = weights / max(float(weights.sum()), 1e-300)
+    middle, other = share @ here, share @ there
+    left, _, right = np.linalg.svd((there - other).T @ (share[:, None] * (here - middle)))
+    sign = np.diag([1.0, 1.0, np.sign(np.linalg.det(left @ right))])
+    turn: Floats = left @ sign @ right
+    return turn, other - turn @ middle
+
+
+def _beyond(full: DescribedSurface, laid: Floats, normals: Floats) -> Bools:
+    """The vertices (n,) of a placed surface that are no second layer of the full shape's skin."""
+    mesh = full.mesh
+    feet = full.finder.closest(laid, normals)
+    off = np.linalg.norm(feet.positions(mesh) - laid, axis=1)
+    edge = mesh.mean_edge_length
+    beyond: Bools = on_border(mesh, feet) | (off > LAYER * edge)
+    return beyond & (full.vertex_tree.query(laid)[0] > CROWDED * edge)
+
+
+def _seam(points: Floats, facing: Floats, faces: Ints, used: Ints, split: int) -> Ints:
+    """Triangles (s, 3) between vertices below `split` and those from there on.
+
+    Of a surface through all points, where both sides still have a border; the smallest first, so
+    that what is in nobody's way is taken before what bridges a gap.
+    """
+    try:
+        found = used[surface_from_points(PointCloud(points[used], facing[used])).faces]
+    except InvalidMeshError:
+        return np.empty((0, 3), dtype=np.int64)
+    across = (found < split).any(axis=1) & (found >= split).any(axis=1)
+    found = found[across]
+    longest = edge_lengths(points, found).max(axis=1)
+    found = found[np.argsort(longest, kind="stable")]
+    taken = {side for face in faces for side in _sides(face)}
+    seam = []
+    for face in found:
+        for way in (face, face[::-1]):
+            sides = _sides(way)
+            if taken.isdisjoint(sides):
+                taken.update(sides)
+                seam.append(way)
+                break
+    return np.array(seam, dtype=np.int64).reshape(-1, 3)
+
+
+def _sides(face: Ints) -> list[tuple[int, int]]:
+    a, b, c = face.tolist()
+    return [(a, b), (b, c), (c, a)]
+
+
+def _origins(union: Union, surface: DescribedSurface) -> tuple[Ints, Floats]:
+    """The owner (m,) and place (m, 3) of each vertex of the working mesh of a union."""
+    at = closest_points(surface.placed, surface.mesh.vertices)
+    corners = union.mesh.faces[at.faces]
+    owners = union.owner[corners]
+    lead = at.barycentric.argmax(axis=1)
+    rows = np.arange(len(lead))
+    alike = (owners == owners[rows, lead][:, None]).all(axis=1)
+    places = np.einsum("pk,pkx->px", at.barycentric, union.places[corners])
+    # between pieces there is no place that both have a name for, so the nearest corner's stands
+    places = np.where(alike[:, None], places, union.places[corners[rows, lead]])
+    return owners[rows, lead], places
+
+
+def _first_of_each(new: Ints, count: int) -> Ints:
+    """For each of `count` vertices after a repair the first one before, by `new` (n,), -1: gone."""
+    rows = np.zeros(count, dtype=np.int64)
+    kept = np.flatnonzero(new >= 0)[::-1]
+    rows[new[kept]] = kept
+    return rows

@@ -1,0 +1,113 @@
+"""Growth: the surest partner first, the union asked again, and what is foreign left alone."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from sherd.arrays import Ints
+from sherd.mesh.triangle_mesh import TriangleMesh
+from sherd.puzzle.growing import growth
+from sherd.puzzle.growing.growth import grown
+from sherd.puzzle.growing.union import Join, Union
+
+SQUARE = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
+FACES = [[0, 1, 2], [0, 2, 3]]
+
+
+def pieces(count: int) -> list[Union]:
+    """Squares, the first one the largest."""
+    return [Union.of_piece(TriangleMesh(SQUARE * (2 - 0.1 * k), FACES), k) for k in range(count)]
+
+
+def answer(chance: float) -> Any:
+    return SimpleNamespace(chance=chance)
+
+
+@pytest.fixture(autouse=True)
+def _joined_without_geometry(monkeypatch: pytest.MonkeyPatch) -> None:
+    def stand_in(join: Join) -> Union:
+        here, there = join.first, join.second
+        return Union(here.mesh, here.owner, here.places, (*here.members, *there.members))
+
+    monkeypatch.setattr(growth, "united", stand_in)
+    monkeypatch.setattr(growth, "crowding", lambda one, other: 0.0)
+    monkeypatch.setattr(growth, "recalled", lambda join, first, second: np.array([[7, 7]]))
+
+
+def test_a_chain_is_joined_and_what_is_foreign_stays_alone() -> None:
+    asked = []
+
+    def meet(first: Union, second: Union, known: Ints) -> Any:
+        asked.append((first.members, second.members))
+        near = any(abs(i - j) == 1 for i in first.members for j in second.members)
+        return answer(0.9 if near and 4 not in second.members else 0.1)
+
+    found = grown(pieces(5), np.ones((5, 5)), meet)
+    assert sorted(map(sorted, found.groups)) == [[0, 1, 2, 3], [4]]
+    assert [join.second.members for join in found.joins] == [(1,), (2,), (3,)]
+    assert len(set(asked)) == len(asked)
+    assert set(found.chances) == set(asked)
+
+
+def test_a_twin_that_a_small_union_would_take_is_asked_again_first() -> None:
+    def meet(first: Union, second: Union, known: Ints) -> Any:
+        # alone 0 takes 2 for its own, but less surely than 1; with 1 it no longer does
+        chance = {1: 0.95, 2: 0.9 if first.members == (0,) else 0.1}[second.members[0]]
+        return answer(chance)
+
+    found = grown(pieces(3), np.ones((3, 3)), meet)
+    assert sorted(map(sorted, found.groups)) == [[0, 1], [2]]
+
+
+def test_of_many_others_only_those_with_most_evidence_are_asked() -> None:
+    asked = []
+
+    def meet(first: Union, second: Union, known: Ints) -> Any:
+        asked.append((first.members[0], second.members[0]))
+        return answer(0.0)
+
+    evidence = np.zeros((14, 14))
+    evidence[0] = evidence[:, 0] = np.arange(14)
+    grown(pieces(14), evidence, meet)
+    assert {b for a, b in asked[: growth.PARTNERS] if a == 0} == set(range(6, 14))
+
+
+def test_groups_that_both_grew_are_joined_at_last() -> None:
+    def meet(first: Union, second: Union, known: Ints) -> Any:
+        members = {*first.members, *second.members}
+        sure = members in ({0, 1}, {2, 3}, {0, 1, 2, 3})
+        return answer(0.9 if sure else 0.0)
+
+    found = grown(pieces(4), np.ones((4, 4)), meet)
+    assert sorted(map(sorted, found.groups)) == [[0, 1, 2, 3]]
+
+
+def test_what_was_sure_before_is_recalled_where_a_twin_draws_it_away() -> None:
+    def meet(first: Union, second: Union, known: Ints) -> Any:
+        if second.members == (1,):
+            return answer(0.95)
+        sure = first.members == (0,) or len(known) == 1
+        return answer(0.8 if sure else 0.1)
+
+    found = grown(pieces(3), np.ones((3, 3)), meet)
+    assert sorted(map(sorted, found.groups)) == [[0, 1, 2]]
+
+
+def test_of_two_in_one_place_neither_is_joined_unless_one_is_far_surer(monkeypatch) -> None:
+    monkeypatch.setattr(growth, "crowding", lambda one, other: 0.9)
+
+    def meet(surer: float) -> Any:
+        def asked(first: Union, second: Union, known: Ints) -> Any:
+            alone = first.members == (0,)
+            return answer({1: surer, 2: 0.8}[second.members[0]] if alone else 0.1)
+
+        return asked
+
+    close = grown(pieces(3), np.ones((3, 3)), meet(0.85))
+    assert sorted(map(sorted, close.groups)) == [[0], [1], [2]]
+    clear = grown(pieces(3), np.ones((3, 3)), meet(0.97))
+    assert sorted(map(sorted, clear.groups)) == [[0, 1], [2]]
