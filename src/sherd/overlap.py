@@ -10,8 +10,8 @@ from typing import Unpack
 import numpy as np
 
 from sherd.arrays import Ints
-from sherd.correspondence.labels.labeling import SAME_SCALE, UNKNOWN_SCALE, Problem
-from sherd.correspondence.labels.two_way import Both, two_way_labelings
+from sherd.correspondence.labels.labeling import SAME_SCALE, UNKNOWN_SCALE
+from sherd.correspondence.labels.two_way import Both, TwoLabelings, two_way_labelings
 from sherd.correspondence.placements import anchor_problem
 from sherd.correspondence.plausibility import mirrored_energy_ratio
 from sherd.correspondence.question import Question
@@ -57,8 +57,10 @@ __all__ = [
     "STAGES",
     "check_overlap_sizes",
     "described_pair",
+    "labeled_both_ways",
     "overlap",
     "prepare_both_ways",
+    "queries_both_ways",
     "questions_of",
     "shared_by",
 ]
@@ -169,11 +171,9 @@ def shared_by(
     questions = (questions[0].with_stretch(STRETCH), questions[1].with_stretch(STRETCH))
     mirrored_ratio = begun(partial(mirrored_energy_ratio, questions, options.seed))
     with stages("labels"):
-        problems = _problems(questions, options.seed)
-        rngs = (np.random.default_rng(options.seed + 1), np.random.default_rng(options.seed + 1))
-        labelings = two_way_labelings(*problems, rngs)
+        labelings = labeled_both_ways(questions, options.seed)
     with stages("placement"):
-        queries = (_queries(questions[0], options), _queries(questions[1], options))
+        queries = queries_both_ways(questions, options.seed)
         placements = placed_together(questions, labelings, queries, strain=options.strain)
     with stages("region"):
         maps = tuple(
@@ -276,18 +276,22 @@ def _scale(questions: Both[Question], options: OverlapOptions) -> ScaleEstimate:
     )
 
 
-def _problems(questions: Both[Question], seed: int) -> Both[Problem]:
+def labeled_both_ways(questions: Both[Question], seed: int) -> TwoLabelings:
+    """The nodes of each shape labeled by the other; the shapes may be swapped, with one seed."""
     there, back = (anchor_problem(question, np.random.default_rng(seed)) for question in questions)
-    return (there, back)
+    rngs = (np.random.default_rng(seed + 1), np.random.default_rng(seed + 1))
+    return two_way_labelings(there, back, rngs)
+
+
+def queries_both_ways(questions: Both[Question], seed: int) -> Both[Queries]:
+    """What looks for similar places on each shape."""
+    there, back = (part_queries(question, np.random.default_rng(seed)) for question in questions)
+    return there, back
 
 
 def prepare_both_ways(surface: DescribedSurface) -> None:
     """Compute now what is needed on first use."""
     _ = (surface.spectra, surface.dense, surface.sparse)
-
-
-def _queries(question: Question, options: OverlapOptions) -> Queries:
-    return part_queries(question, np.random.default_rng(options.seed))
 
 
 def _shared_map(

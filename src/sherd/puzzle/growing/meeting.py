@@ -11,13 +11,18 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from sherd.arrays import Ints
-from sherd.correspondence.labels.two_way import Both, two_way_labelings
-from sherd.correspondence.placements import anchor_problem
+from sherd.correspondence.labels.two_way import Both
 from sherd.correspondence.question import NO_PINS, Question
 from sherd.correspondence.shared.two_way_placement import SharedPlacement, placed_together
-from sherd.correspondence.working_placement import Queries, part_queries
+from sherd.correspondence.working_placement import Queries
 from sherd.mesh.triangle_mesh import TriangleMesh
-from sherd.overlap import STRETCH, prepare_both_ways, questions_of
+from sherd.overlap import (
+    STRETCH,
+    labeled_both_ways,
+    prepare_both_ways,
+    queries_both_ways,
+    questions_of,
+)
 from sherd.puzzle.growing.join_chance import join_chance, join_features
 from sherd.results.overlap_options import OverlapOptions
 from sherd.surface.prepared import described_part
@@ -73,17 +78,9 @@ def meeting(
         prepare_both_ways(surface)
     there, back = questions_of(surfaces, known, unknown=False)
     questions = (there.with_stretch(STRETCH), back.with_stretch(STRETCH))
-    problems = (
-        anchor_problem(questions[0], np.random.default_rng(seed)),
-        anchor_problem(questions[1], np.random.default_rng(seed)),
-    )
-    rngs = (np.random.default_rng(seed + 1), np.random.default_rng(seed + 1))
-    labelings = two_way_labelings(*problems, rngs)
+    labelings = labeled_both_ways(questions, seed)
     questions = (replace(questions[0], pins=NO_PINS), replace(questions[1], pins=NO_PINS))
-    queries = (
-        part_queries(questions[0], np.random.default_rng(seed)),
-        part_queries(questions[1], np.random.default_rng(seed)),
-    )
+    queries = queries_both_ways(questions, seed)
     placements = placed_together(questions, labelings, queries, strain=OverlapOptions().strain)
     features = join_features(labelings, questions, placements, seed)
     return Meeting(questions, queries, placements, join_chance(features))
