@@ -30,6 +30,7 @@ from sherd.correspondence.labels.anchors import (
     proposed_anchors,
 )
 from sherd.correspondence.labels.consistent import (
+    consistent_groups,
     consistent_nodes,
     missing_area,
     node_areas,
@@ -48,9 +49,10 @@ PRICE_SHARE = 0.5
 # Prices that starts are found with, besides none: at half of chance half of what two species share
 # goes nowhere, so a start has little to hold on to; what a higher price lets in that is wrong goes
 # in the rounds, in which it is half again.
-STARTING_PRICES = (PRICE_SHARE, 0.7)
+STARTING_PRICE = 0.7
+GROUPS = 4
 # After a round to hear of the other direction so many starts go on, then one.
-LEFT = (3, 1)
+LEFT = (4, 1)
 # What a node that counts as evidence may cost, as a share of chance: half of the price. A right one
 # costs a fifth on average, one on a wrong limb a third.
 WORTH_SHARE = 0.25
@@ -119,13 +121,18 @@ def two_way_labelings(
     chance = (chance_energy(forward, rngs[0]), chance_energy(backward, rngs[1]))
     start = (first_labeling(forward), first_labeling(backward))
     ratios = [one.energy / max(energy, 1e-12) for one, energy in zip(start, chance, strict=True)]
-    starts = _led(problems, *map(proposed_anchors, problems, start))
-    for share in STARTING_PRICES:
-        # nodes that the other shape lacks then neither say where others lie nor take their places
-        priced = [
-            each.priced(share * energy) for each, energy in zip(problems, chance, strict=True)
-        ]
-        starts += _led(problems, *(proposed_anchors(each, first_labeling(each)) for each in priced))
+    alone = [proposed_anchors(*each) for each in zip(problems, start, strict=True)]
+    # nodes that the other shape lacks then neither say where others lie nor take their places
+    priced = [
+        each.priced(STARTING_PRICE * energy) for each, energy in zip(problems, chance, strict=True)
+    ]
+    starts = _led(problems, *alone)
+    starts += _led(problems, *(proposed_anchors(each, first_labeling(each)) for each in priced))
+    groups = [
+        consistent_groups(*each)[:GROUPS] for each in zip(problems, alone, chance, strict=True)
+    ]
+    starts += [_led(problems, _only(alone[0], group), alone[1])[0] for group in groups[0]]
+    starts += [_led(problems, alone[0], _only(alone[1], group))[1] for group in groups[1]]
     tried = [_agreed(problems, chance, begun, inside=1.0) for begun in starts]
     for left in LEFT:
         # where none saves anything, swapping the shapes must still swap what is chosen
