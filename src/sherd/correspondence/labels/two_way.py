@@ -126,8 +126,7 @@ def two_way_labelings(
     priced = [
         each.priced(STARTING_PRICE * energy) for each, energy in zip(problems, chance, strict=True)
     ]
-    starts = _led(problems, *alone)
-    starts += _led(problems, *(proposed_anchors(each, first_labeling(each)) for each in priced))
+    starts = _led(problems, *(proposed_anchors(each, first_labeling(each)) for each in priced))
     groups = [
         consistent_groups(*each)[:GROUPS] for each in zip(problems, alone, chance, strict=True)
     ]
