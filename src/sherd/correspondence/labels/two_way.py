@@ -7,9 +7,9 @@ anywhere, consistent with itself, and does not follow. And within one direction 
 often a minority: all the rest agrees on another place. So there are many starts: either direction,
 or one group of its neighbors that agree with each other, leads, and its inverse is the start of the
 other. Then both are labeled again, each with what the other says among its candidates, and the
-group grows. Those starts go on whose nodes save most against chance, in both directions together,
-less what is missing: where a shape goes on beside what is shared, and the other one does too, they
-must share that as well.
+group grows. Those starts go on whose nodes save most against nowhere, in both directions together,
+the less the more is missing: where a shape goes on beside what is shared, and the other one does
+too, they must share that as well.
 
 Nowhere costs half of what a node costs where nothing belongs together: the nodes are given each
 other's similarities, which leaves shapes, cuts and likeness what they are and only mixes up what
@@ -59,11 +59,11 @@ STARTING_PRICE = 0.7
 GROUPS = 4
 # After a round to hear of the other direction so many starts go on, then one.
 LEFT = (4, 1)
-# What is missing costs so many times what a node costs by chance, three times what a perfect node
-# saves: right placements hardly miss anything, wrong ones a seventh of what they keep (SMAL), while
-# what is found is found nearly as alike in wrong places. At once a wrong placement of a horse's cut
-# that keeps more saves more than the right one, at twice right ones between species lose.
-MISSING_WEIGHT = 1.5
+# A placement that misses a fifth of what it keeps counts a third (1 / e): right placements hardly
+# miss anything, wrong ones a seventh of what they keep (SMAL), and what is found is found nearly as
+# alike in wrong places. At four times a wrong placement of a horse's cut that keeps more saves as
+# much as the right one; between three and eight the choice between species is the same.
+MISSING_WEIGHT = 5.0
 # What a node that counts as evidence may cost, as a share of chance: half of the price. A right one
 # costs a fifth on average, one on a wrong limb a third.
 WORTH_SHARE = 0.25
@@ -88,8 +88,8 @@ class TwoLabelings:
         Of the nodes that were worth their price, the share that both directions agree on:
         geometric mean of both, so that one direction alone proves nothing.
     worth
-        What the nodes that are kept save against nowhere, less what is missing, over their area:
-        half is perfect, and below 0 more is missing than is found.
+        What the nodes that are kept save against nowhere, the less the more is missing, over their
+        area: half is perfect.
     first_ratio
         Energy of a first labeling, which has only similar places to choose from, over that by
         chance, near 1 where nothing is alike; of the better direction, as a piece that lies within
@@ -193,20 +193,26 @@ def _agreed(
     agrees = consistent_nodes(problems, found, closing, worth)
     # the next round hears only of what can be true together
     kept = (_only(found[0], agrees[0]), _only(found[1], agrees[1]))
-    saved = [_saved(*each) for each in zip(problems, kept, chance, strict=True)]
     placed = (int(found[0].placed.sum()), int(found[1].placed.sum()))
-    return _Agreed(kept, agrees, placed, saved[0] + saved[1])
+    return _Agreed(kept, agrees, placed, _saved(problems, kept, chance))
 
 
-def _saved(problem: Problem, kept: Labeling, chance: float) -> float:
+def _saved(problems: Both[Problem], kept: Both[Labeling], chance: Both[float]) -> float:
     """What the nodes that are kept save against nowhere, as a share of chance, times their area.
 
-    Less what is missing. So a few nodes that are much alike save as much as twice as many that are
-    hardly worth their price.
+    So a few nodes that are much alike save as much as twice as many that are hardly worth their
+    price. Times `exp(-5 missing / kept area)`.
     """
-    less = PRICE_SHARE - node_costs(problem, kept) / max(chance, 1e-12)
-    found = float(node_areas(problem)[kept.placed] @ less[kept.placed])
-    return found - MISSING_WEIGHT * missing_area(problem, kept)
+    saved = missing = area = 0.0
+    for problem, labeling, energy in zip(problems, kept, chance, strict=True):
+        less = PRICE_SHARE - node_costs(problem, labeling) / max(energy, 1e-12)
+        areas = node_areas(problem)[labeling.placed]
+        saved += float(areas @ less[labeling.placed])
+        area += float(areas.sum())
+        missing += missing_area(problem, labeling)
+    if saved <= 0:
+        return saved
+    return saved * float(np.exp(-MISSING_WEIGHT * missing / area))
 
 
 def _agreement(agreed: _Agreed) -> float:
