@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from scipy.spatial import cKDTree
 
@@ -9,8 +11,12 @@ from sherd.arrays import Floats, Ints
 from sherd.correspondence.confidence import LEAST, MOST, confidences
 from sherd.correspondence.labels.two_way import Both, TwoLabelings
 from sherd.correspondence.question import Question
-from sherd.correspondence.shared.region_cut import shared_region
-from sherd.correspondence.shared.two_way_placement import SharedPlacement, sharing_cost
+from sherd.correspondence.shared.region_cut import seam_lengths, shared_region
+from sherd.correspondence.shared.two_way_placement import (
+    SharedPlacement,
+    other_goes_on,
+    sharing_cost,
+)
 from sherd.correspondence.unfollowed import FOLLOWED
 from sherd.correspondence.working_placement import Queries
 from sherd.mesh.surface_points import SurfacePoints
@@ -21,6 +27,7 @@ from sherd.results.overlap_result import StrainCurve
 __all__ = [
     "MIRROR_CHANCE",
     "mirror_is_better",
+    "open_seam",
     "overlap_chance",
     "shared_confidence",
     "strain_curve",
@@ -36,6 +43,8 @@ MOST_APART = 0.3
 # Distances between both directions, in sqrt(area), are told apart from the spacing of vertices on
 # 50,000 up to the width of a neighborhood; their logarithm counts, from the spacing on 10,000.
 APART, LEAST_APART, LARGEST_APART = 0.01, 0.002, 0.05
+# The whole border of a square is four times the root of its area; half of it open says all.
+MOST_OPEN = 2.0
 # A logistic regression over 66 pairs of cuts: of a generated animal and of three animated ones with
 # cuts of themselves in another pose and with those of others, and of legs of both sides of the
 # latter. Right is an error below 0.05, over what is shared and over what is matched; errors up to
@@ -106,6 +115,24 @@ def overlap_chance(
     return float(np.clip(raw, LEAST, MOST))
 
 
+def open_seam(question: Question, place: SharedPlacement) -> float:
+    """How much of the border of what is shared lies where neither shape ends, at most `MOST_OPEN`.
+
+    Its length over the root of the shared area. Both shapes are cut from something whole, so what
+    they share ends where either ends; a place that is wrong, or of which much is left out, ends
+    anywhere. Nothing shared is as open as can be.
+    """
+    mesh = question.part.mesh
+    area = float(mesh.vertex_areas @ place.shared)
+    if area <= 0:
+        return MOST_OPEN
+    first, second = mesh.edges.T
+    at = np.flatnonzero(place.shared[first] != place.shared[second])
+    inner = np.where(place.shared[first], first, second)[at]
+    length = float(seam_lengths(mesh)[at][other_goes_on(question, place.trip)[inner]].sum())
+    return min(length / math.sqrt(area), MOST_OPEN)
+
+
 def mirror_is_better(first_ratio: float, mirrored_ratio: float) -> bool:
     """Whether the mirror image of one shape is more alike the other than the shape itself is.
 
@@ -125,17 +152,10 @@ def strain_curve(questions: Both[Question], placements: Both[SharedPlacement]) -
     """Share of each shape's area that would be shared if more strain were accepted, or less."""
     shares = []
     for question, place in zip(questions, placements, strict=True):
-        mesh = question.part.mesh
-        shares.append(
-            tuple(
-                float(
-                    mesh.vertex_areas
-                    @ shared_region(mesh, sharing_cost(place.trip, place.strain, strain))
-                    / mesh.area
-                )
-                for strain in STRAINS
-            )
-        )
+        mesh, goes_on = question.part.mesh, other_goes_on(question, place.trip)
+        costs = [sharing_cost(place.trip, place.strain, strain) for strain in STRAINS]
+        regions = [shared_region(mesh, cost, goes_on) for cost in costs]
+        shares.append(tuple(float(mesh.vertex_areas @ region / mesh.area) for region in regions))
     return StrainCurve(STRAINS, first=shares[1], second=shares[0])
 
 
