@@ -48,7 +48,7 @@ __all__ = ["Both", "TwoLabelings", "two_way_labelings"]
 # SMAL), so half of these go nowhere. At 0.65 more of them stay, and more of what is wrong: of 24
 # pairs of cuts the mean error was 2.1 instead of 1.1.
 PRICE_SHARE = 0.5
-# Price that whole labelings start with: at half of chance half of what two species share goes
+# Price that whole labelings start with, besides none: at half of chance half of what two species share goes
 # nowhere, so a start has little to hold on to; what a higher price lets in that is wrong goes in
 # the rounds, in which it is half again.
 STARTING_PRICE = 0.7
@@ -141,7 +141,10 @@ def two_way_labelings(
     priced = [
         each.priced(STARTING_PRICE * energy) for each, energy in zip(problems, chance, strict=True)
     ]
-    wholes = [[proposed_anchors(each, first_labeling(each))] for each in priced]
+    wholes = [
+        [each, proposed_anchors(problem, first_labeling(problem))]
+        for each, problem in zip(alone, priced, strict=True)
+    ]
     starts = [*_led(problems, *wholes), *_led(problems, *groups)]
     tried = [_agreed(problems, chance, begun, inside=1.0) for begun in starts]
     for left in LEFT:
