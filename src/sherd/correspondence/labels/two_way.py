@@ -48,9 +48,9 @@ __all__ = ["Both", "TwoLabelings", "two_way_labelings"]
 # SMAL), so half of these go nowhere. At 0.65 more of them stay, and more of what is wrong: of 24
 # pairs of cuts the mean error was 2.1 instead of 1.1.
 PRICE_SHARE = 0.5
-# Price that whole labelings start with, besides none: at half of chance half of what two species share goes
-# nowhere, so a start has little to hold on to; what a higher price lets in that is wrong goes in
-# the rounds, in which it is half again.
+# Price that whole labelings start with, besides none: at half of chance half of what two species
+# share goes nowhere, so a start has little to hold on to; what a higher price lets in that is wrong
+# goes in the rounds, in which it is half again.
 STARTING_PRICE = 0.7
 # So many groups of either labeling start too, those that save most against chance. Where different
 # species share a third of a body the right group is often not the first: of ten such pairs that
