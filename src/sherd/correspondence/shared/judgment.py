@@ -53,7 +53,7 @@ MOST_OPEN = 2.0
 # animal is of another, let a view of a wolf pass that lacked a third of what is shared.
 CHANCE_COEFFICIENTS = (-0.9, 1.34, 10.1, -1.9, 12.3, -2.3)
 
-# Two equal limbs agree perfectly, so beyond this no agreement counts. Of those 66 pairs, and two of
+# Two equal limbs agree perfectly, so beyond this no agreement counts. Of 66 such pairs, and two of
 # legs of the generated animal, the mirror image was better by more in ten that were wrong, and in
 # four right ones. The generated animal's left front leg on its right one is not told from
 # these by anything else: labeled in full, the mirror image saves more in all of them, since a body
