@@ -10,7 +10,7 @@ import pytest
 from sherd.correspondence.labels.labeling import SAME_SCALE
 from sherd.correspondence.question import Question
 from sherd.correspondence.registration import Deformation
-from sherd.correspondence.shared.region_cut import WIDTH, shared_region
+from sherd.correspondence.shared.region_cut import INSIDE, WIDTH, shared_region
 from sherd.correspondence.shared.round_trip import on_border, round_trip
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
@@ -27,32 +27,46 @@ def flat(count: int, size: float = 1.0) -> TriangleMesh:
     return TriangleMesh(np.stack([x, y, 0 * x], axis=-1).reshape(-1, 3), faces)
 
 
-def energy(mesh: TriangleMesh, inside: np.ndarray, cost: np.ndarray, width: float) -> float:
+def energy(mesh: TriangleMesh, inside: np.ndarray, cost: np.ndarray, dear: np.ndarray) -> float:
     first, second = mesh.edges.T
     weights = -np.asarray(stiffness(mesh.vertices, mesh.faces).tocsr()[first, second]).ravel()
     lengths = np.linalg.norm(mesh.vertices[first] - mesh.vertices[second], axis=1)
-    border = (weights * lengths)[inside[first] != inside[second]].sum()
-    return float(mesh.vertex_areas[inside] @ (cost[inside] - 1) + width * border)
+    border = (dear * weights * lengths)[inside[first] != inside[second]].sum()
+    return float(mesh.vertex_areas[inside] @ (cost[inside] - 1) + WIDTH * border)
 
 
 @pytest.mark.parametrize("seed", range(5))
 def test_no_other_set_of_vertices_has_less_energy(seed: int) -> None:
-    mesh = flat(3)
-    cost = np.random.default_rng(seed).uniform(0, 2, 9)
-    found = shared_region(mesh, cost, width=0.1)
-    least = min(energy(mesh, np.array(s, bool), cost, 0.1) for s in product((0, 1), repeat=9))
-    assert energy(mesh, found, cost, 0.1) == pytest.approx(least, abs=1e-6)
+    mesh = flat(3, size=0.1)  # so small that borders matter
+    rng = np.random.default_rng(seed)
+    cost, goes_on = rng.uniform(0, 2, 9), rng.random(9) < 0.7
+    dear = np.where(goes_on[mesh.edges].all(axis=1), INSIDE, 1.0)
+    found = shared_region(mesh, cost, goes_on)
+    sets = [np.array(s, bool) for s in product((0, 1), repeat=9)]
+    least = min(energy(mesh, each, cost, dear) for each in sets)
+    assert energy(mesh, found, cost, dear) == pytest.approx(least, abs=1e-9)
 
 
 def test_a_shred_narrower_than_the_width_goes_with_its_surroundings() -> None:
     mesh = flat(41)
     x, y = mesh.vertices[:, 0], mesh.vertices[:, 1]
     wide = np.abs(x - 0.5) < 0.2
-    cost = np.where(wide & (np.hypot(x - 0.5, y - 0.5) > 0.02), 0.5, 1.5)
-    found = shared_region(mesh, cost, width=2 * WIDTH)
+    cost = np.where(wide & (np.hypot(x - 0.5, y - 0.5) > 0.01), 0.5, 1.5)
+    ends = np.zeros(len(x), dtype=bool)
+    found = shared_region(mesh, cost, ends)
     assert found[wide].all()
     assert found.mean() == pytest.approx(wide.mean(), abs=0.05)
-    assert not shared_region(mesh, np.full(len(x), 2.0)).any()
+    assert not shared_region(mesh, np.full(len(x), 2.0), ends).any()
+
+
+def test_a_region_goes_farther_where_the_other_shape_goes_on() -> None:
+    mesh = flat(61)
+    x, y = mesh.vertices[:, 0], mesh.vertices[:, 1]
+    hole = np.hypot(x - 0.5, y - 0.5) < 0.1
+    cost = np.where(hole, 1.6, 0.4)
+    ends, goes_on = np.zeros(len(x), dtype=bool), np.ones(len(x), dtype=bool)
+    assert not shared_region(mesh, cost, ends)[hole].all()
+    assert shared_region(mesh, cost, goes_on).all()
 
 
 def test_there_and_back_of_the_identity_is_no_way_and_over_the_border_is_told() -> None:

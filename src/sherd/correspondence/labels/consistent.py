@@ -9,6 +9,8 @@ that agree with each other; a group that costs clearly more than the best is dro
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from scipy import sparse
 from scipy.sparse import csgraph
@@ -24,7 +26,7 @@ from sherd.correspondence.labels.labeling import (
     unary_cost,
 )
 
-__all__ = ["consistent_nodes", "missing_area", "node_areas", "node_costs"]
+__all__ = ["consistent_groups", "consistent_nodes", "missing_area", "node_areas", "node_costs"]
 
 # Lengths in conflict differ by more than two sigma, where a limit says "wrong" and not more.
 SIGMAS = 2.0
@@ -50,6 +52,18 @@ def node_costs(problem: Problem, labeling: Labeling) -> Floats:
     half = sum(np.bincount(end, 0.5 * paid, minlength=count) for end in problem.edges.T)
     cost: Floats = unary_cost(problem, labels, rotations, SIMILARITY_STEP)[:, 0] + half
     return cost
+
+
+def consistent_groups(problem: Problem, labeling: Labeling, chance: float) -> list[Bools]:
+    """Groups (k,) of neighbors that agree with each other; what saves most against chance first."""
+    groups = _groups(problem, labeling, labeling.placed)
+    found = []
+    for group in range(int(groups.max()) + 1):
+        inside = groups == group
+        alone = replace(labeling, placed=inside)
+        less = 1.0 - node_costs(problem, alone) / max(chance, 1e-12)
+        found.append((float((node_areas(problem) * less)[inside].sum()), inside))
+    return [inside for _, inside in sorted(found, key=lambda each: -each[0])]
 
 
 def consistent_nodes(

@@ -2,6 +2,8 @@
 
     E(u) = integral u (cost - 1) + width * length of the boundary of {u = 1},   u in {0, 1}
 
+(four times its length where the other shape goes on)
+
 is the Mumford-Shah energy of the founding paper for memberships that jump between 0 and 1, with
 the area constraint replaced by a price: where `cost` is below 1 the surface is shared. Bronstein,
 Bronstein, Bruckstein, Kimmel, *Partial similarity of objects*, 2009, relax it to a phase field;
@@ -18,18 +20,26 @@ from sherd.mesh.minimum_cut import minimum_cut
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.spectral.operators import stiffness
 
-__all__ = ["WIDTH", "seam_lengths", "shared_region"]
+__all__ = ["INSIDE", "WIDTH", "seam_lengths", "shared_region"]
 
 # Half the smallest neighborhood that is compared: what is narrower than twice that, and no better
 # than its price, goes with its surroundings.
 WIDTH = 0.02
+# As an edge of the labeling from inside the other shape to nowhere: it says "wrong", and that costs
+# at most four times what one sigma does.
+INSIDE = 4.0
 
 
-def shared_region(mesh: TriangleMesh, cost: Floats, *, width: float = WIDTH) -> Bools:
-    """The region (n,) of least energy; `cost` (n,) is 1 where a vertex is just worth its price."""
+def shared_region(mesh: TriangleMesh, cost: Floats, goes_on: Bools) -> Bools:
+    """The region (n,) of least energy; `cost` (n,) is 1 where a vertex is just worth its price.
+
+    Both shapes are cut from something whole, so what they share ends where either ends. Where the
+    other shape goes on, at the vertices `goes_on` (n,), a border costs `INSIDE` times its length.
+    """
     gain = mesh.vertex_areas * (1.0 - cost)
     first, second = mesh.edges.T
-    outside = minimum_cut(gain, (first, second), width * seam_lengths(mesh))
+    dear = np.where(goes_on[first] & goes_on[second], INSIDE, 1.0)
+    outside = minimum_cut(gain, (first, second), WIDTH * dear * seam_lengths(mesh))
     return ~outside
 
 

@@ -17,7 +17,7 @@ from sherd.correspondence.registration import (
     registered_to_positions,
     registered_to_surface,
 )
-from sherd.correspondence.shared.region_cut import shared_region
+from sherd.correspondence.shared.region_cut import WIDTH, shared_region
 from sherd.correspondence.shared.round_trip import RoundTrip, round_trip
 from sherd.correspondence.similar_places import Look, similar_places
 from sherd.correspondence.trilateration import trilaterated_vertices
@@ -32,7 +32,7 @@ from sherd.correspondence.working_placement import (
 from sherd.descriptors.rotation_shot import trusted_equally
 from sherd.surface.described import RADII
 
-__all__ = ["SharedPlacement", "placed_together", "sharing_cost"]
+__all__ = ["SharedPlacement", "other_goes_on", "placed_together", "sharing_cost"]
 
 # Where there and back end up farther apart than this, the two directions do not mean the same
 # place: two spacings of labels.
@@ -146,6 +146,14 @@ def sharing_cost(trip: RoundTrip, strain: Floats, accepted: float) -> Floats:
     return np.where(trip.beyond, MOST_COST, np.minimum(cost, MOST_COST))
 
 
+def other_goes_on(question: Question, trip: RoundTrip) -> Bools:
+    """Vertices (n,) whose places lie farther inside the other shape than a border is blurred."""
+    full = question.full
+    depth = trip.points.interpolate(full.mesh, full.cut_distance)
+    inside: Bools = depth > 2 * WIDTH
+    return inside
+
+
 def _from_labeling(
     question: Question, labeling: Labeling, agrees: Bools, present: Floats
 ) -> Deformation:
@@ -197,7 +205,8 @@ def _drawn_together(
         # the other surface is strained where this one is as well; either may tell
         there = trip.points.interpolate(question.full.mesh, strained[1 - side])
         worse = np.maximum(strained[side], there)
-        shared = shared_region(question.part.mesh, sharing_cost(trip, worse, strain))
+        cost = sharing_cost(trip, worse, strain)
+        shared = shared_region(question.part.mesh, cost, other_goes_on(question, trip))
         nothing = np.empty(0)
         placements.append(SharedPlacement(together[side], trip, shared, worse, gaps[side], nothing))
     return (placements[0], placements[1])
