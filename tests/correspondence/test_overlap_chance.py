@@ -41,7 +41,7 @@ def test_what_agrees_is_alike_and_misses_nothing_is_sure() -> None:
 
 @pytest.mark.parametrize(
     "worse",
-    [{"agreement": 0.5}, {"worth": -1.0}, {"apart": 0.02}, {"mirrored": 0.3}, {"open": 0.8}],
+    [{"agreement": 0.5}, {"worth": -1.0}, {"apart": 0.02}, {"mirrored": 0.3}, {"open": 2.0}],
 )
 def test_each_thing_that_is_worse_lowers_the_chance(worse: dict[str, float]) -> None:
     assert chance(**worse) < chance() - 0.1
