@@ -116,7 +116,7 @@ def overlap(
 
     Notes
     -----
-    Costs about one and a half times what :func:`sherd.match` does.
+    Costs about twice what :func:`sherd.match` does.
 
     Examples
     --------
