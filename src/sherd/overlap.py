@@ -54,6 +54,7 @@ from sherd.surface.prepared import described_part
 from sherd.threads import begun, one_blas_thread
 
 __all__ = [
+    "HALF",
     "STAGES",
     "check_overlap_sizes",
     "described_pair",

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from sherd.arrays import Bools, Floats, Ints
-from sherd.mesh.geometry import cross, lengths
+from sherd.mesh.geometry import face_cross, lengths
 from sherd.mesh.sizes import LARGEST_PART
 from sherd.mesh.surface_points import BLOCK, SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
@@ -68,7 +68,7 @@ class SurfaceFinder:
         itself covers each of its vertices by its vertex area.
         """
         corners = positions[faces]
-        spanned = cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        spanned = face_cross(positions, faces)
         areas = 0.5 * lengths(spanned)
         normals = spanned / np.maximum(2 * areas, 1e-300)[:, None]
         # a part that was torn over the whole space is sampled no more than one of this mesh's size

@@ -10,6 +10,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from sherd.arrays import Bools, Floats, Ints
+from sherd.mesh.geometry import face_cross
 from sherd.mesh.topology import boundary_edges
 from sherd.mesh.triangle_mesh import TriangleMesh
 
@@ -94,8 +95,7 @@ def border_of(mesh: TriangleMesh, positions: Floats) -> Border:
         return Border(index, index, none, none, none, np.empty(0))
     faces, opposite = _faces_at(mesh.faces, edges)
     first, second = positions[edges[:, 0]], positions[edges[:, 1]]
-    corners = positions[mesh.faces[faces]]
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals = face_cross(positions, mesh.faces[faces])
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
     along = second - first
     along /= np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-12)

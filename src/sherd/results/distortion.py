@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from sherd.arrays import Bools, Floats
+from sherd.mesh.geometry import face_cross
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
 
@@ -46,8 +47,7 @@ def faces_preserved(
     A face is turned over if its image runs the other way around than the full shape there, whose
     outward normals at the vertices are `outward` (n_full, 3).
     """
-    corners = points.positions(full)[part.faces]
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals = face_cross(points.positions(full), part.faces)
     up = points.interpolate(full, outward)[part.faces].sum(axis=1)
     preserved: Bools = (normals * up).sum(axis=1) > 0
     return preserved

@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike
 
 from sherd.arrays import Bools, Floats, Ints
 from sherd.errors import InputError
+from sherd.mesh.geometry import face_areas
 from sherd.mesh.surface_points import SurfacePoints, closest_points
 from sherd.mesh.triangle_mesh import TriangleMesh
 
@@ -86,10 +87,8 @@ def true_region(
             f"but the part has {part.vertex_count} vertices"
         )
     faces = part.faces[there[part.faces].all(axis=1)]
-    image = truth.positions(full)[faces]
-    areas = 0.5 * np.linalg.norm(
-        np.cross(image[:, 1] - image[:, 0], image[:, 2] - image[:, 0]), axis=1
-    )
+    positions = truth.positions(full)
+    areas = face_areas(positions, faces)
     mean_area = full.area / full.vertex_count
     divisions = np.sqrt(SAMPLES_PER_VERTEX * areas / mean_area)
     divisions = np.clip(np.ceil(divisions), 1, MOST_DIVISIONS).astype(np.int64)

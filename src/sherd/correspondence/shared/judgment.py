@@ -25,7 +25,10 @@ from sherd.results.advice import UnfollowedLandmark
 from sherd.results.overlap_result import StrainCurve
 
 __all__ = [
+    "APART",
+    "LARGEST_APART",
     "MIRROR_CHANCE",
+    "logarithm_apart",
     "mirror_is_better",
     "open_seam",
     "overlap_chance",
@@ -103,20 +106,25 @@ def overlap_chance(
     much the mirror image is more alike, if it is; and how much of the border of what is shared is
     open, on the shape where it is more.
     """
-    apart = 0.5 * (_apart(questions[0], placements[0]) + _apart(questions[1], placements[1]))
     is_open = max(open_seam(questions[0], placements[0]), open_seam(questions[1], placements[1]))
     features = np.array(
         [
             1.0,
             labelings.agreement,
             float(np.clip(labelings.worth, -1.0, 1.0)),
-            float(np.log(np.clip(apart, LEAST_APART, LARGEST_APART) / APART)),
+            logarithm_apart(questions, placements),
             min(mirrored_ratio - labelings.first_ratio, 0.0),
             is_open,
         ]
     )
     raw = 1.0 / (1.0 + np.exp(-features @ np.array(CHANCE_COEFFICIENTS)))
     return float(np.clip(raw, LEAST, MOST))
+
+
+def logarithm_apart(questions: Both[Question], placements: Both[SharedPlacement]) -> float:
+    """How far apart both directions were, on average over what is shared; as a feature."""
+    apart = 0.5 * (_apart(questions[0], placements[0]) + _apart(questions[1], placements[1]))
+    return float(np.log(np.clip(apart, LEAST_APART, LARGEST_APART) / APART))
 
 
 def open_seam(question: Question, place: SharedPlacement) -> float:

@@ -16,16 +16,17 @@ from sherd.correspondence.labels.anchors import first_labeling, proposed_anchors
 from sherd.correspondence.labels.two_way import Both, TwoLabelings
 from sherd.correspondence.placements import anchor_problem
 from sherd.correspondence.question import Question
-from sherd.correspondence.shared.judgment import MIRROR_CHANCE
+from sherd.correspondence.shared.judgment import (
+    APART,
+    LARGEST_APART,
+    MIRROR_CHANCE,
+    logarithm_apart,
+)
 from sherd.correspondence.shared.two_way_placement import SharedPlacement
 from sherd.surface.transformed import mirrored, sampled_within
 
 __all__ = ["join_chance", "join_features"]
 
-# Distances between both directions, in sqrt(area) of the larger piece: their logarithm counts, from
-# the spacing of vertices on 10,000; see sherd.correspondence.shared.judgment.
-APART, LEAST_APART, LARGEST_APART = 0.01, 0.002, 0.05
-MOST_APART = 0.3
 # A rim that is farther from the borders of both pieces than a spacing of labels ends inside both.
 INSIDE = 0.03
 # Fewer nodes than this have hardly a neighborhood, so a mirror image of them says nothing.
@@ -73,14 +74,13 @@ def join_features(
         worth = float(np.clip(labelings.worth, -1.0, 1.0))
         return np.array([1.0, labelings.agreement, worth, unshared, 0.0, 0.0, UNSHARED_STRAIN])
     both = tuple(zip(questions, placements, strict=True))
-    apart = np.mean([_mean(each, np.minimum(each[1].apart, MOST_APART)) for each in both])
     inside = np.concatenate([_rim_inside(*each) for each in both])
     return np.array(
         [
             1.0,
             labelings.agreement,
             float(np.clip(labelings.worth, -1.0, 1.0)),
-            float(np.log(np.clip(apart, LEAST_APART, LARGEST_APART) / APART)),
+            logarithm_apart(questions, placements),
             # without a rim one piece lies wholly within the other
             float(inside.mean()) if len(inside) else 0.0,
             _handedness(labelings, questions, placements, seed),

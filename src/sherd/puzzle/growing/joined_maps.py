@@ -11,13 +11,11 @@ from sherd.correspondence.registration import surface_points
 from sherd.correspondence.shared.judgment import shared_confidence
 from sherd.mesh.surface_points import closest_points
 from sherd.mesh.triangle_mesh import TriangleMesh
+from sherd.overlap import HALF
 from sherd.puzzle.growing.union import Join, Union
 from sherd.puzzle.synchronization import TORN, PieceMap
 
 __all__ = ["direct_maps"]
-
-# A vertex between those of the working mesh is shared if half of it is.
-HALF = 0.5
 
 
 def direct_maps(

@@ -18,7 +18,7 @@ from sherd.correspondence.question import Question
 from sherd.correspondence.registration import Deformation, registered_to_positions
 from sherd.correspondence.shared.round_trip import on_border
 from sherd.errors import InvalidMeshError
-from sherd.mesh.geometry import edge_lengths, vertex_normals
+from sherd.mesh.geometry import closest_rotation, edge_lengths, vertex_normals
 from sherd.mesh.point_cloud import PointCloud
 from sherd.mesh.surface_points import closest_points
 from sherd.mesh.topology import component_labels
@@ -196,23 +196,15 @@ def _floating(question: Question, laid: Deformation, shared: Bools) -> Floats:
         rows = np.flatnonzero(~shared & (labels == label))
         away = np.asarray(cKDTree(rest[rows]).query(rest[held])[0])
         weights = part.mesh.vertex_areas[held] * np.exp(-(away - away.min()) / BESIDE)
-        turn, shift = _rigid_motion(rest[held], laid.positions[held], weights)
-        start[rows] = rest[rows] @ turn.T + shift
+        before = np.average(rest[held], axis=0, weights=weights)
+        after = np.average(laid.positions[held], axis=0, weights=weights)
+        turn = closest_rotation(rest[held], laid.positions[held], weights)
+        start[rows] = (rest[rows] - before) @ turn.T + after
     begun = Deformation(start, fit_rotations(part.elastic, start))
     floated = registered_to_positions(
         question, begun, laid.positions, rounds=FLOAT_ROUNDS, present=shared.astype(np.float64)
     )
     return floated.positions
-
-
-def _rigid_motion(here: Floats, there: Floats, weights: Floats) -> tuple[Floats, Floats]:
-    """The rotation (3, 3) and shift (3,) that bring points (n, 3) nearest to others; Kabsch."""
-    share = weights / max(float(weights.sum()), 1e-300)
-    middle, other = share @ here, share @ there
-    left, _, right = np.linalg.svd((there - other).T @ (share[:, None] * (here - middle)))
-    sign = np.diag([1.0, 1.0, np.sign(np.linalg.det(left @ right))])
-    turn: Floats = left @ sign @ right
-    return turn, other - turn @ middle
 
 
 def _beyond(full: DescribedSurface, laid: Floats, normals: Floats) -> Bools:
