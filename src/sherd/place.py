@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -129,14 +130,9 @@ def placed_part(
     pins = pins_of(template, part, kept_vertices, options)
     rng, twin_rng = np.random.default_rng(options.seed).spawn(2)
     unit = kept.length / TRIAL_SIZE if unknown else template.length / options.factor
-    describe = partial(_described, kept, unit, pins)
-    described = describe if template.prepared else begun(describe)
-    with stages("full shape"):
-        template.prepare()
-    with stages("part"):
-        surface = described()
-        comparison = UNKNOWN_SCALE if unknown else SAME_SCALE
-        question = Question(template, surface, comparison, working_pins(surface, pins), free)
+    surface = _both_described(template, partial(_described, kept, unit, pins), stages)
+    comparison = UNKNOWN_SCALE if unknown else SAME_SCALE
+    question = Question(template, surface, comparison, working_pins(surface, pins), free)
     with stages("scale"):
         own = unit * options.factor / template.length
         estimate = _scale(question, rng, own) if unknown else SAME
@@ -179,6 +175,23 @@ def placed_part(
         twin=mirror,
         energies=(start.energy, labeling.energy, chance_level()),
     )
+
+
+def _both_described(
+    template: Template, describe: Callable[[], DescribedSurface], stages: Stages
+) -> DescribedSurface:
+    """The part, described beside the full shape, which is made ready."""
+    if template.prepared:  # the file of which may still be read on another core
+        with stages("part"):
+            surface = describe()
+        with stages("full shape"):
+            template.prepare()
+        return surface
+    described = begun(describe)
+    with stages("full shape"):
+        template.prepare()
+    with stages("part"):
+        return described()
 
 
 def _scale(question: Question, rng: np.random.Generator, own: float) -> ScaleEstimate:

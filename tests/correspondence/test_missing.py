@@ -109,4 +109,3 @@ def test_a_price_shares_what_was_computed(there) -> None:
     assert (priced.price, priced.inside) == (2.0, LIMIT)
     assert priced.peaks is there.peaks
     assert priced.turns is there.turns
-    assert priced.most_similar is there.most_similar

@@ -24,7 +24,7 @@ from sherd.results.overlap_result import Overlap
 from sherd.results.puzzle.assembly import Assembly
 from sherd.results.puzzle.joined import Joined
 from sherd.scan.intake import Intake, mesh_intake
-from sherd.surface.template import Template
+from sherd.surface.template import ArrivingTemplate, Template, file_content
 from sherd.threads import begun
 
 __all__ = [
@@ -207,12 +207,13 @@ def _say(notices: Iterable[tuple[str, Iterable[str]]]) -> None:
 def begun_template(path: Path | None, full: Path, *, quiet: bool) -> Callable[[], Template]:
     """Begin :func:`stored_template` beside other work; the result waits for it and raises for it.
 
-    What is kept is read, and otherwise the mesh only: nobody waits for a description, and no file
-    is made, before all that was typed is known to be right.
+    It waits for the mesh only: a file goes on being read, and raises in the end, while the part is
+    described; a new one is made when all that was typed is known to be right.
     """
-    if path is not None and path.exists():
-        return begun(partial(stored_template, path, full, quiet=quiet))
     intake = begun(partial(mesh_intake, full))
+    if path is not None and path.exists():
+        content = begun(partial(file_content, path))
+        return lambda: ArrivingTemplate(content, path, intake())
     return lambda: _new_template(path, intake(), quiet=quiet)
 
 

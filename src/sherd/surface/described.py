@@ -105,10 +105,13 @@ class DescribedSurface:
         sampled_at: Ints | None = None,
         known: Known | None = None,
     ) -> None:
-        self.working = working
+        self._begin(reference, sampled_at)
+        self._given = (working, known or Known())
+
+    def _begin(self, reference: Floats = REFERENCE, sampled_at: Ints | None = None) -> None:
+        """Set what does not come from the shape itself."""
         self.reference = reference
         self._sampled_at = np.empty(0, dtype=np.int64) if sampled_at is None else sampled_at
-        self._known = known or Known()
         self._bases: dict[int, EigenBasis] = {}
         self._basis_lock = Lock()
 
@@ -127,6 +130,15 @@ class DescribedSurface:
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         DescribedSurface.__init__(self, **state)
+
+    @property
+    def working(self) -> WorkingSurface:
+        """The surface at unit scale."""
+        return self._given[0]
+
+    @property
+    def _known(self) -> Known:
+        return self._given[1]
 
     @property
     def placed(self) -> TriangleMesh:

@@ -5,8 +5,10 @@ from __future__ import annotations
 import os
 import zipfile
 import zlib
+from collections.abc import Callable
+from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -22,8 +24,10 @@ from sherd.surface.described import DescribedSurface, Known
 from sherd.surface.samples import Samples
 from sherd.surface.working import WorkingSurface, canonical, joined, working_surface
 
-__all__ = ["Template"]
+__all__ = ["ArrivingTemplate", "Content", "Template", "file_content"]
 
+# Arrays of a file, by name.
+Content: TypeAlias = dict[str, Any]
 # Raise when what is saved changes its meaning.
 FORMAT = 5
 
@@ -135,37 +139,97 @@ class Template(DescribedSurface):
         InputError
             If it was made for another mesh than `full`.
         """
-        try:
-            with Path(path).open("rb") as stream, np.load(stream, allow_pickle=False) as stored:
-                content: dict[str, Any] = dict(stored)
-        except (OSError, ValueError, TypeError, EOFError, zipfile.BadZipFile, zlib.error) as error:
-            reason = getattr(error, "strerror", None) or "damaged, or no template"
-            raise MeshFileError(
-                f"{path}: cannot be read as a template ({reason}); make it again"
-            ) from error
-        if _NAMES - set(content) or content["format"].tolist() != FORMAT or not _fit(content):
-            raise MeshFileError(f"{path}: is no template of this version of sherd; make it again")
-        mesh = TriangleMesh(content["vertices"], content["faces"], name=str(content["name"]))
-        if full is not None and not _same(mesh, full.original):
-            raise InputError(
-                f"{path}: was made for another mesh than {full.original.name}; name another file"
-            )
-        intake = mesh_intake(mesh) if full is None else full
-        placed = canonical(intake.mesh, intake.mesh.length)
-        mesh = TriangleMesh(content["mesh_vertices"], content["mesh_faces"], name=placed.name)
-        known = Known(
-            normals=content["normals"],
-            axes=PrincipalAxes(content["axes"]),
-            spectra=content["spectra"],
-            dense=Samples.of(
-                content["dense_vertices"],
-                numbers_of(content["dense_distances"], float(content["dense_distance_step"])),
-                numbers_of(content["dense_directions"], float(content["dense_direction_step"])),
-            ),
-        )
+        content = file_content(path)
         template = cls.__new__(cls)
-        template._set_up(intake, joined(placed, mesh), known)
+        intake = _intake(content, path, full)
+        template._set_up(intake, *_described(content, canonical(intake.mesh, intake.mesh.length)))
         return template
+
+
+class ArrivingTemplate(Template):
+    """A template whose file is still being read; what needs its content waits for it.
+
+    Meanwhile other shapes are described, for which the length of the full shape is enough.
+
+    Parameters
+    ----------
+    content
+        Waits for the content of the file and raises what kept it from being read.
+    path
+        The file, for errors.
+    full
+        The full shape, which must be the one that the file was made for.
+    """
+
+    def __init__(self, content: Callable[[], Content], path: Path, full: Intake) -> None:
+        self._begin()
+        self.intake = full
+        self._content, self._path = content, path
+
+    @cached_property
+    def placed(self) -> TriangleMesh:
+        """The full shape at unit scale, which is no part of the file."""
+        return canonical(self.intake.mesh, self.intake.mesh.length)
+
+    @property
+    def prepared(self) -> bool:
+        """Such files hold all that matching needs."""
+        return True
+
+    @cached_property
+    def _given(self) -> tuple[WorkingSurface, Known]:
+        content = self._content()
+        _intake(content, self._path, self.intake)
+        return _described(content, self.placed)
+
+
+def file_content(path: str | os.PathLike[str]) -> Content:
+    """The arrays of a template file.
+
+    Raises
+    ------
+    MeshFileError
+        If the file is missing, damaged, or of another version of sherd.
+    """
+    try:
+        with Path(path).open("rb") as stream, np.load(stream, allow_pickle=False) as stored:
+            content: Content = dict(stored)
+    except (OSError, ValueError, TypeError, EOFError, zipfile.BadZipFile, zlib.error) as error:
+        reason = getattr(error, "strerror", None) or "damaged, or no template"
+        raise MeshFileError(
+            f"{path}: cannot be read as a template ({reason}); make it again"
+        ) from error
+    if _NAMES - set(content) or content["format"].tolist() != FORMAT or not _fit(content):
+        raise MeshFileError(f"{path}: is no template of this version of sherd; make it again")
+    return content
+
+
+def _intake(content: Content, path: str | os.PathLike[str], full: Intake | None) -> Intake:
+    """The full shape, from the file unless it is at hand; then it must be the same."""
+    mesh = TriangleMesh(content["vertices"], content["faces"], name=str(content["name"]))
+    if full is None:
+        return mesh_intake(mesh)
+    if not _same(mesh, full.original):
+        raise InputError(
+            f"{path}: was made for another mesh than {full.original.name}; name another file"
+        )
+    return full
+
+
+def _described(content: Content, placed: TriangleMesh) -> tuple[WorkingSurface, Known]:
+    """What the file knows of the shape `placed`."""
+    mesh = TriangleMesh(content["mesh_vertices"], content["mesh_faces"], name=placed.name)
+    known = Known(
+        normals=content["normals"],
+        axes=PrincipalAxes(content["axes"]),
+        spectra=content["spectra"],
+        dense=Samples.of(
+            content["dense_vertices"],
+            numbers_of(content["dense_distances"], float(content["dense_distance_step"])),
+            numbers_of(content["dense_directions"], float(content["dense_direction_step"])),
+        ),
+    )
+    return joined(placed, mesh), known
 
 
 _NAMES = {
@@ -179,7 +243,7 @@ def _same(mesh: TriangleMesh, other: TriangleMesh) -> bool:
     return np.array_equal(mesh.faces, other.faces) and np.array_equal(mesh.vertices, other.vertices)
 
 
-def _fit(content: dict[str, Any]) -> bool:
+def _fit(content: Content) -> bool:
     """Whether stored arrays have the shapes and kinds that belong together."""
     labels, vertices = content["dense_vertices"], len(np.atleast_1d(content["mesh_vertices"]))
     count = len(np.atleast_1d(labels))

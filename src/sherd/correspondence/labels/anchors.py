@@ -95,7 +95,7 @@ def proposed_anchors(
 
 def first_labeling(problem: Problem, *, step: float = SIMILARITY_STEP) -> Labeling:
     """The labeling with the most similar labels as candidates."""
-    similar, turn = problem.most_similar[:, :CANDIDATES], problem.turns
+    similar, turn = problem.most_similar(CANDIDATES), problem.turns
     return solve(problem, similar, _at(turn, similar), step=step)
 
 
@@ -126,7 +126,7 @@ def candidates_again(
 
     `also` (k, a) are further labels, with the rotations of most similarity.
     """
-    similar, turn = problem.most_similar[:, :CANDIDATES], problem.turns
+    similar, turn = problem.most_similar(CANDIDATES), problem.turns
     near = np.argsort(problem.nodes.between, axis=1, kind="stable")[:, 1 : 1 + NEAR_LABELS]
     proposed, proposed_turns = _proposals(problem, labeling)
     from_near = labeling.labels[near]

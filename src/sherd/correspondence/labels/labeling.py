@@ -31,6 +31,7 @@ from sherd.correspondence.labels.labeling_data import (
     PartGeometry,
 )
 from sherd.correspondence.labels.message_passing_kernel import labeling_costs, pass_messages
+from sherd.correspondence.labels.peak_kernel import most_alike, rotation_peaks
 from sherd.correspondence.question import Question
 from sherd.surface.samples import Samples
 
@@ -130,8 +131,7 @@ class Problem:
     def priced(self, price: float, *, inside: float = 1.0) -> Problem:
         """The same problem with nowhere among the labels; what was computed of it is shared."""
         problem = replace(self, price=price, inside=inside)
-        for name in ("peaks", "most_similar", "turns"):  # kept where cached properties are
-            problem.__dict__[name] = getattr(self, name)
+        problem.__dict__["_peaks"] = self._peaks  # where cached properties are kept
         return problem
 
     @cached_property
@@ -144,26 +144,23 @@ class Problem:
         """The full shape's samples."""
         return self.question.full.dense
 
-    @cached_property
-    def peaks(self) -> Floats:
+    @property
+    def peaks(self) -> Singles:
         """(k, s) similarity of node and label at the best rotation."""
-        return np.asarray(self.similarity.max(axis=2))
+        return self._peaks[0]
 
-    @cached_property
-    def most_similar(self) -> Ints:
-        """(k, s) labels that are not forbidden, most similar first, then the others."""
-        return np.asarray(np.where(self.forbidden, 2.0, -self.peaks).argsort(1, kind="stable"))
-
-    @cached_property
+    @property
     def turns(self) -> Floats:
-        """(k, s) rotation of most similarity: the vertex of the parabola through three values."""
-        shifts = self.similarity.shape[2]
-        peak = self.similarity.argmax(axis=2)
-        rows, columns = np.indices(peak.shape)
-        before = self.similarity[rows, columns, (peak - 1) % shifts]
-        after = self.similarity[rows, columns, (peak + 1) % shifts]
-        bend = np.minimum(before - 2 * self.peaks + after, -1e-6)
-        return np.asarray((peak + 0.5 * (before - after) / bend) * 2 * np.pi / shifts)
+        """(k, s) rotation of most similarity, in radians."""
+        return self._peaks[1]
+
+    @cached_property
+    def _peaks(self) -> tuple[Singles, Floats]:
+        return rotation_peaks(self.similarity)
+
+    def most_similar(self, count: int) -> Ints:
+        """(k, count) labels that are not forbidden, most similar first, then the others."""
+        return most_alike(self.peaks, self.forbidden, count)
 
     @cached_property
     def node_depth(self) -> Floats:
