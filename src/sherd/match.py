@@ -44,7 +44,7 @@ from sherd.scan.intake import Intake, MeshSource, ScanSource, scan_intake
 from sherd.scan.numbering import original_normals, turned_as_repaired
 from sherd.surface.prepared import as_template
 from sherd.surface.template import Template
-from sherd.threads import one_blas_thread
+from sherd.threads import begun, one_blas_thread
 
 __all__ = ["STAGES", "PlacedPart", "match", "match_one_side", "match_result", "placed_part"]
 
@@ -138,11 +138,12 @@ def match_result(placed: PlacedPart, stages: Stages) -> MatchResult:
     template, part, options = placed.template, placed.part, placed.options
     question, best, twin = placed.question, placed.best, placed.twin
     surface, chance = question.part, placed.chance
+    way_back = WayBack(template.intake, part, placed.kept)
+    alternatives = begun(lambda: () if twin is None else _alternatives(way_back, best, twin))
     with stages("confidence"):
         trust = _trust(question, placed.queries, best, placed.other)
     with stages("region"):
         membership, mask = _region(question, best, trust.matched)
-    way_back = WayBack(template.intake, part, placed.kept)
     result = MatchResult(
         full=template.full,
         part=turned_as_repaired(part),
@@ -154,7 +155,7 @@ def match_result(placed: PlacedPart, stages: Stages) -> MatchResult:
             matched=trust.matched,
             confidence=trust.confidence,
         ),
-        alternatives=() if twin is None else _alternatives(way_back, best, twin),
+        alternatives=alternatives(),
         scale=placed.scale,
         second_score=placed.other.score,
         twin_score=None if twin is None else twin.score,

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
@@ -22,6 +21,7 @@ from sherd.correspondence.trilateration import trilaterated_vertices
 from sherd.descriptors.rotation_shot import mirrored_spectra, trusted_by_cut, trusted_equally
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.surface.described import LEAST_TRUST, RADII
+from sherd.threads import cached_property
 
 __all__ = [
     "Queries",

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,6 +13,7 @@ from sherd.arrays import Floats, Ints, frozen
 from sherd.errors import InfeasibleError, InputError, OptionError
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.spectral.operators import corner_cotangents, gradient, stiffness
+from sherd.threads import cached_property
 
 __all__ = ["EnergyWeights", "RegionProblem", "region_problem"]
 

@@ -19,7 +19,6 @@ and the length over which that happens differs between what was seen and what wa
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -29,6 +28,7 @@ from scipy.sparse.linalg import splu
 from sherd.arrays import Floats
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.surface.elastic_surface import ElasticSurface, elastic_surface
+from sherd.threads import cached_property
 
 __all__ = ["Elasticity"]
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from functools import cached_property
 from types import MappingProxyType
 
 import numpy as np
@@ -14,6 +13,7 @@ from sherd.arrays import Floats, FrozenState, Ints, frozen
 from sherd.errors import InvalidMeshError
 from sherd.mesh import geometry, topology
 from sherd.mesh.validate import checked_faces, checked_field, checked_vertices
+from sherd.threads import cached_property
 
 __all__ = ["TriangleMesh"]
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -13,6 +12,7 @@ from sherd.arrays import Bools, Floats, Ints
 from sherd.mesh.geometry import face_cross
 from sherd.mesh.topology import boundary_edges
 from sherd.mesh.triangle_mesh import TriangleMesh
+from sherd.threads import cached_property
 
 __all__ = [
     "REACH",

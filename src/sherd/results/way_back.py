@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -13,6 +12,7 @@ from sherd.mesh.surface_points import SurfacePoints
 from sherd.results.placement import Placement
 from sherd.scan.intake import Intake
 from sherd.scan.numbering import nearest_repaired, original_points
+from sherd.threads import cached_property
 
 __all__ = ["WayBack"]
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from functools import cached_property
-
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy import sparse
@@ -14,6 +12,7 @@ from sherd.errors import InvalidMeshError
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.spectral.heat_flow import heat_flow
 from sherd.spectral.intrinsic import intrinsic_delaunay
+from sherd.threads import cached_property
 
 __all__ = ["Geodesics"]
 

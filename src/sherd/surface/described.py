@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
-from functools import cached_property
 from threading import Lock
 from typing import Any
 
@@ -23,6 +22,7 @@ from sherd.spectral.sampling import farthest_point_sample_euclidean
 from sherd.surface.elastic_surface import ElasticSurface, elastic_surface
 from sherd.surface.samples import COARSE_COUNT, Samples, dense_samples, sparse_samples
 from sherd.surface.working import WorkingSurface
+from sherd.threads import cached_property
 
 __all__ = ["LEAST_TRUST", "NO_CUT", "RADII", "REFERENCE", "DescribedSurface", "Known", "Spread"]
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -18,6 +17,7 @@ from sherd.spectral.geodesics import Geodesics
 from sherd.spectral.sampling import farthest_points
 from sherd.surface.counted import rounded
 from sherd.surface.working import WorkingSurface
+from sherd.threads import cached_property
 
 __all__ = ["COARSE_COUNT", "Frames", "Samples", "dense_samples", "sparse_samples"]
 

@@ -6,7 +6,6 @@ import os
 import zipfile
 import zlib
 from collections.abc import Callable
-from functools import cached_property
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -23,6 +22,7 @@ from sherd.surface.counted import counts_of, numbers_of
 from sherd.surface.described import DescribedSurface, Known
 from sherd.surface.samples import Samples
 from sherd.surface.working import WorkingSurface, canonical, joined, working_surface
+from sherd.threads import cached_property
 
 __all__ = ["ArrivingTemplate", "Content", "Template", "file_content"]
 

@@ -18,7 +18,6 @@ full shape goes on: where the label is farther from its cut than the edge is lon
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from functools import cached_property
 
 import numpy as np
 
@@ -34,6 +33,7 @@ from sherd.correspondence.labels.message_passing_kernel import labeling_costs, p
 from sherd.correspondence.labels.peak_kernel import most_alike, rotation_peaks
 from sherd.correspondence.question import Question
 from sherd.surface.samples import Samples
+from sherd.threads import cached_property
 
 __all__ = [
     "CLEAR",

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from functools import cached_property
 from types import MappingProxyType
 
 import numpy as np
@@ -20,6 +19,7 @@ from sherd.results.fitted.completion import Completion
 from sherd.results.fitted.fit_options import FitOptions
 from sherd.results.status import Status
 from sherd.results.transfer import TransferMethods, checked_vertices
+from sherd.threads import cached_property
 
 __all__ = ["DistanceSummary", "Fit", "FitCheck", "FittedPiece", "HiddenRegion", "PieceMap"]
 
