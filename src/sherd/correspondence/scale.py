@@ -8,7 +8,7 @@ from functools import partial
 
 import numpy as np
 
-from sherd.arrays import Floats, Ints
+from sherd.arrays import Floats, Ints, Singles
 from sherd.correspondence.labels.anchors import (
     find_anchors,
     first_labeling,
@@ -17,7 +17,9 @@ from sherd.correspondence.labels.anchors import (
 from sherd.correspondence.labels.labeling import CLEAR, Labeling, Problem, labeling_problem
 from sherd.correspondence.placements import node_similarity
 from sherd.correspondence.question import Question
+from sherd.descriptors.rotation_shot import pooled_similarity
 from sherd.mesh.sizes import LARGEST_PART
+from sherd.surface.described import DescribedSurface
 from sherd.surface.transformed import enlarged, thinned
 from sherd.threads import side_by_side
 
@@ -39,12 +41,15 @@ LARGEST_SCALE = 2.0
 STEP = 1.26
 # Lengths below this are dominated by the spacing of labels, above it by the cut.
 SHORTEST, LONGEST = 0.08, 0.5
-REFINEMENTS = 2
+# Ratios of two labelings at one factor differ by a percent, so the last correction is a mean.
+REPEATS = 2
 # Of labelings whose score is asked for, not their labels.
 ROUNDS = 2
 # So many nodes, a tenth of the width of the part apart, tell a factor from one 1.26 times as large;
 # with all nodes, scores differed from theirs by up to 0.04.
 FEW_NODES = 70
+# Of the vertices of the full shape so many in one, beside the labels themselves.
+GLANCE_STEP = 4
 # Peaks of the score that are compared with all nodes: up to so many, as far as they are so near.
 FINALISTS, NEAR_PEAK = 3, 0.1
 # Of 18 parts in other poses 15 scored 0.06 and more higher at the true scale than at other peaks,
@@ -98,7 +103,7 @@ def estimated_scale(
 
     A few nodes of the part are labeled at each factor; where the labelings keep the most
     similarity and the most even ratio of lengths, between the factors by a parabola, all nodes are
-    labeled, and the best is then corrected by that ratio.
+    labeled, and the best is then corrected by that ratio, twice.
 
     Parameters
     ----------
@@ -115,17 +120,21 @@ def estimated_scale(
     least, largest = float(factors[0]), float(factors[-1])
     seeds = rng.integers(2**32, size=(2, len(factors)))
     few = question.with_part(thinned(question.part, FEW_NODES))
-    scores = np.array([score for score, _ in _trials(_sketched, few, factors, seeds[0])])
+    sketch = _Trial(_Glance.of(question.full).similarity, _sketched)
+    whole = _Trial(node_similarity, _labeled)
+    scores = np.array([score for score, _ in _tried(sketch, few, factors, seeds[0])])
     peaks = _peaks(scores)
     finalists = np.exp(_parabola_tops(np.log(factors), scores, peaks))
-    trials = _trials(_labeled, question, finalists, seeds[1, peaks])
-    best = max(score for score, _ in trials)
-    equals = [k for k, (score, _) in enumerate(trials) if score > best - UNSURE]
-    equals.sort(key=lambda k: abs(np.log(finalists[k] / own)))
-    factor = finalists[equals[0]] * trials[equals[0]][1]
-    for _ in range(REFINEMENTS):
-        factor = float(np.clip(factor, least, largest))
-        factor *= _trial(_labeled, question, factor, int(rng.integers(2**32)))[1]
+    equals = [0]
+    if len(peaks) > 1:
+        trials = _tried(whole, question, finalists, seeds[1, peaks])
+        best = max(score for score, _ in trials)
+        equals = [k for k, (score, _) in enumerate(trials) if score > best - UNSURE]
+        equals.sort(key=lambda k: abs(np.log(finalists[k] / own)))
+        finalists = finalists * [ratio for _, ratio in trials]
+    factor = float(np.clip(finalists[equals[0]], least, largest))
+    again = _tried(whole, question, np.full(REPEATS, factor), rng.integers(2**32, size=REPEATS))
+    factor *= float(np.exp(np.mean([np.log(ratio) for _, ratio in again])))
     factor = float(np.clip(factor, least, largest))
     return ScaleEstimate(
         factor,
@@ -175,25 +184,59 @@ def _parabola_tops(places: Floats, scores: Floats, peaks: Ints) -> Floats:
     return tops
 
 
-def _trials(
-    labeled: Callable[[Problem], Labeling], question: Question, factors: Floats, seeds: Ints
+@dataclass(frozen=True, eq=False)
+class _Glance:
+    """The full shape as some of its vertices see it, enough to tell factors 1.26 apart.
+
+    Attributes
+    ----------
+    spectra
+        (5, m, 2 k) of the labels and of every `GLANCE_STEP`-th vertex.
+    cells
+        (m,) the label nearest to each of them.
+    """
+
+    spectra: Singles
+    cells: Ints
+
+    @classmethod
+    def of(cls, full: DescribedSurface) -> _Glance:
+        vertices = np.arange(0, full.mesh.vertex_count, GLANCE_STEP)
+        vertices = np.union1d(vertices, full.dense.vertices)
+        return cls(np.ascontiguousarray(full.spectra[:, vertices]), full.dense.cells[vertices])
+
+    def similarity(self, question: Question, node_spectra: Singles) -> Singles:
+        """As :func:`node_similarity`, of fewer vertices."""
+        full = question.full
+        sought = full.axes.project(node_spectra)
+        return pooled_similarity(self.spectra, sought, self.cells, len(full.dense))
+
+
+@dataclass(frozen=True)
+class _Trial:
+    """How a factor is tried: what is how similar, and how that is labeled."""
+
+    similarity: Callable[[Question, Singles], Singles]
+    labeling: Callable[[Problem], Labeling]
+
+
+def _tried(
+    how: _Trial, question: Question, factors: Floats, seeds: Ints
 ) -> list[tuple[float, float]]:
     """A trial of each factor, as many at a time as there are cores."""
     return side_by_side(
-        partial(_trial, labeled, question, *each)
+        partial(_trial, how, question, *each)
         for each in zip(factors.tolist(), seeds.tolist(), strict=True)
     )
 
 
-def _trial(
-    labeled: Callable[[Problem], Labeling], question: Question, factor: float, seed: int
-) -> tuple[float, float]:
+def _trial(how: _Trial, question: Question, factor: float, seed: int) -> tuple[float, float]:
     """Score of the labeling at one factor, and the ratio of lengths that it finds."""
     part = enlarged(question.part, factor)
     trial = question.with_part(part)
-    similarity = node_similarity(trial, part.trusted_spectra(part.sparse.vertices))
+    similarity = how.similarity(trial, part.trusted_spectra(part.sparse.vertices))
     problem = labeling_problem(trial, similarity, np.random.default_rng(seed))
-    labeling = labeled(problem)
+    labeling = how.labeling(problem)
     rows = np.arange(len(part.sparse))
     shifts = similarity.shape[2]
     at = np.round(labeling.rotations / (2 * np.pi) * shifts).astype(np.int64) % shifts

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 from scipy.spatial import cKDTree
 
 from sherd.arrays import Floats
 from sherd.drawing.exhibit import Exhibit
 from sherd.mesh.geometry import closest_rotation
+from sherd.threads import side_by_side
 
 __all__ = ["rotation_to_full"]
 
@@ -49,20 +52,22 @@ def _closest_rotation(source: Floats, target: Floats) -> Floats:
     source_axes = _principal_axes(source)
     target_axes = _principal_axes(target)
     starts = [np.eye(3), *(target_axes.T @ turn @ source_axes for turn in _axis_turns())]
-    best, best_error = np.eye(3), np.inf
-    for index, start in enumerate(starts):
-        rotation = start
-        for _ in range(ROUNDS):
-            _, nearest = tree.query(source @ rotation.T)
-            rotation = closest_rotation(source, target[nearest], np.ones(len(source)))
-        turned = source @ rotation.T
-        forward, backward = tree.query(turned)[0], cKDTree(turned).query(target)[0]
-        error = float(np.mean(np.square(forward)) + np.mean(np.square(backward)))
-        if index == 0:
-            error *= 0.8  # files usually agree on what is up: leave them so unless clearly wrong
-        if error < best_error:
-            best, best_error = rotation, error
-    return best
+    found = side_by_side(partial(_improved, start, source, target, tree) for start in starts)
+    errors = np.array([error for _, error in found])
+    errors[0] *= 0.8  # files usually agree on what is up: leave them so unless clearly wrong
+    return found[int(errors.argmin())][0]
+
+
+def _improved(
+    rotation: Floats, source: Floats, target: Floats, tree: cKDTree
+) -> tuple[Floats, float]:
+    """The rotation after some rounds of closest points, and the squared distances it leaves."""
+    for _ in range(ROUNDS):
+        _, nearest = tree.query(source @ rotation.T)
+        rotation = closest_rotation(source, target[nearest], np.ones(len(source)))
+    turned = source @ rotation.T
+    forward, backward = tree.query(turned)[0], cKDTree(turned).query(target)[0]
+    return rotation, float(np.mean(np.square(forward)) + np.mean(np.square(backward)))
 
 
 def _principal_axes(points: Floats) -> Floats:

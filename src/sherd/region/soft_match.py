@@ -39,9 +39,14 @@ CONTEXT_WEIGHT = 6.0
 # Density below which a context counts as absent, relative to probability spread over everything:
 # a sample with a wrong context must stay possible, or one bad neighbor would veto it.
 ABSENT = 0.1
+# Waves that heat flow leaves so little of are left out: all in phase, a hundredth of `ABSENT`.
+FADED = 1e-5
 # The capacity acts on mass smoothed over the spacing of samples, since one sample stands for its
 # whole cell. 200 samples of half the surface lie 0.05 apart.
 CAPACITY_WIDTH = 0.04
+# Log probability, beside the best, of what is impossible: 1e-26 in all places together changes
+# nothing, and products with it still are ordinary numbers, which processors multiply far faster.
+IMPOSSIBLE = np.float32(-60.0)
 # Scaling steps per round; the rounds go on where the last one stopped.
 CAPACITY_STEPS = 3
 
@@ -97,7 +102,7 @@ def soft_match(
     areas = np.maximum(geometry.areas, 1e-12).astype(np.float32)
     likelihood = (similarity - best) / np.float32(TEMPERATURE) + np.log(areas)
     if forbidden is not None:
-        likelihood[:, forbidden] = -np.float32(1e4)  # exp(-1e4) = 0, and sums stay finite
+        likelihood[:, forbidden] = -np.float32(1e4)  # impossible, and sums stay finite
     capacity = _Capacity(geometry)
     probability = capacity.normalized(likelihood)
     for width in CONTEXT_WIDTHS:
@@ -117,9 +122,10 @@ def spread(
     vertices of the same shape, the density (q, m) there.
     """
     decay = np.exp(-0.5 * width**2 * geometry.eigenvalues).astype(np.float32)
-    coefficients = (mass @ geometry.eigenvectors) * decay
+    size = int(np.searchsorted(-decay, -FADED))  # eigenvalues ascend
     vectors = geometry.eigenvectors if onto is None else onto
-    density: Singles = np.asarray(coefficients @ vectors.T)
+    coefficients = (mass @ geometry.eigenvectors[:, :size]) * decay[:size]
+    density: Singles = np.asarray(coefficients @ vectors[:, :size].T)
     np.maximum(density, 0.0, out=density)  # a truncated heat kernel dips below 0 far away
     return density
 
@@ -133,16 +139,20 @@ class _Capacity:
         self._price = np.zeros(len(geometry.areas), dtype=np.float32)
 
     def normalized(self, scores: Singles) -> Singles:
+        weight: Singles = scores - scores.max(axis=1, keepdims=True)
+        np.maximum(weight, IMPOSSIBLE, out=weight)
+        np.exp(weight, out=weight)  # once: a price is a factor of its place
         for _ in range(CAPACITY_STEPS):
-            probability = scores - self._price
-            probability -= probability.max(axis=1, keepdims=True)
-            np.exp(probability, out=probability)
-            probability /= probability.sum(axis=1, keepdims=True)
-            used = spread((self._mass @ probability)[None], self._geometry, CAPACITY_WIDTH)[0]
+            factor = np.exp(-self._price)
+            rows = weight @ factor
+            mass = np.asarray(factor * ((self._mass / rows) @ weight), dtype=np.float32)
+            used = spread(mass[None], self._geometry, CAPACITY_WIDTH)[0]
             # a free place lowers its price again, never below nothing
             self._price += np.log(np.maximum(used, np.float32(1e-3)))
             np.maximum(self._price, 0.0, out=self._price)
-        return probability
+        weight *= factor
+        weight /= rows[:, None]
+        return weight
 
 
 def _neighbor_weights(geometry: MatchGeometry, width: float) -> Singles:
