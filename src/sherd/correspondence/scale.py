@@ -43,6 +43,9 @@ STEP = 1.26
 SHORTEST, LONGEST = 0.08, 0.5
 # Ratios of two labelings at one factor differ by a percent, so the last correction is a mean.
 REPEATS = 2
+# Labels give way to lengths, so their ratio says a third to two thirds of what a factor lacks, as
+# rounds of it on 15 parts of animated animals did.
+CORRECTION = 1.5
 # Of labelings whose score is asked for, not their labels.
 ROUNDS = 2
 # So many nodes, a tenth of the width of the part apart, tell a factor from one 1.26 times as large;
@@ -103,7 +106,7 @@ def estimated_scale(
 
     A few nodes of the part are labeled at each factor; where the labelings keep the most
     similarity and the most even ratio of lengths, between the factors by a parabola, all nodes are
-    labeled, and the best is then corrected by that ratio, twice.
+    labeled, and that ratio corrects the best. A single such place is compared with no other.
 
     Parameters
     ----------
@@ -134,7 +137,7 @@ def estimated_scale(
         finalists = finalists * [ratio for _, ratio in trials]
     factor = float(np.clip(finalists[equals[0]], least, largest))
     again = _tried(whole, question, np.full(REPEATS, factor), rng.integers(2**32, size=REPEATS))
-    factor *= float(np.exp(np.mean([np.log(ratio) for _, ratio in again])))
+    factor *= float(np.exp(CORRECTION * np.mean([np.log(ratio) for _, ratio in again])))
     factor = float(np.clip(factor, least, largest))
     return ScaleEstimate(
         factor,

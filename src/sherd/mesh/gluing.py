@@ -215,23 +215,33 @@ def orientation_flips(vertices: Floats, faces: Ints, pairs: Ints) -> tuple[Bools
     one_sided : (m,) bool
         Faces of sheets without two sides, such as a Moebius strip; they are left alone.
     """
+    sheets, upright, one_sided = _sheets(faces, pairs)
+    flips = np.zeros(len(faces), dtype=bool)
+    if not upright.all():
+        areas = geometry.face_areas(vertices, faces)
+        balance = np.bincount(sheets, np.where(upright, areas, -areas))
+        flips = (upright != (balance >= 0)[sheets]) & ~one_sided
+    return flips ^ _inward(vertices, faces, pairs, (flips, sheets, one_sided)), sheets, one_sided
+
+
+def _sheets(faces: Ints, pairs: Ints) -> tuple[Ints, Bools, Bools]:
+    """Sheet (m,) of each face, whether it is turned as the first one is, and has no two sides."""
     count = len(faces)
     first, second = pairs[:, 0] // 3, pairs[:, 1] // 3
-    cross = np.where(same_direction(faces, pairs), count, 0)
+    turned = same_direction(faces, pairs)
+    if not turned.any():  # as most files are; half the work
+        sheets = components(first, second, count)
+        return sheets, np.ones(count, dtype=bool), np.zeros(count, dtype=bool)
+    cross = np.where(turned, count, 0)
     # every face appears as it is and turned over: a sheet without two sides joins both
     labels = components(
         np.concatenate([first, first + count]),
         np.concatenate([second + cross, second + count - cross]),
         2 * count,
     )
-    one_sided = labels[:count] == labels[count:]
     sheet_key = np.minimum(labels[:count], labels[count:])
     _, sheets = np.unique(sheet_key, return_inverse=True)
-    upright = labels[:count] == sheet_key
-    areas = geometry.face_areas(vertices, faces)
-    balance = np.bincount(sheets, np.where(upright, areas, -areas))
-    flips = (upright != (balance >= 0)[sheets]) & ~one_sided
-    return flips ^ _inward(vertices, faces, pairs, (flips, sheets, one_sided)), sheets, one_sided
+    return sheets, labels[:count] == sheet_key, labels[:count] == labels[count:]
 
 
 def _inward(
@@ -249,7 +259,7 @@ def _inward(
     # seen from the sheet itself: from afar, large volumes cancel and leave rounding errors
     _, first = np.unique(sheets, return_index=True)
     spokes = corners - corners[first, 0][sheets][:, None, :]
-    volumes = np.einsum("mc,mc->m", spokes[:, 0], np.cross(spokes[:, 1], spokes[:, 2]))
+    volumes = np.einsum("mc,mc->m", spokes[:, 0], geometry.cross(spokes[:, 1], spokes[:, 2]))
     volume = np.bincount(sheets, np.where(flips, -volumes, volumes))
     inward = closed & (volume < 0)
     if inward.any() and count > 1:

@@ -68,11 +68,15 @@ class Change:
 
 def degenerate_faces(vertices: Floats, faces: Ints) -> Bools:
     """Faces (m,) that repeat a corner or whose height is lost in the rounding of coordinates."""
-    repeated = (faces == faces[:, [1, 2, 0]]).any(axis=1)
-    longest = geometry.edge_lengths(vertices, faces).max(axis=1)
-    size = np.abs(vertices[faces]).max(axis=(1, 2))
+    first, second, third = faces.T
+    repeated = (first == second) | (second == third) | (third == first)
+    a, b, c = vertices[first], vertices[second], vertices[third]
+    sides = (c - b, a - c, b - a)
+    longest = np.maximum.reduce([geometry.lengths(side) for side in sides])
+    extent = np.abs(vertices).max(axis=1)
+    size = np.maximum.reduce([extent[corner] for corner in (first, second, third)])
     height = np.divide(
-        2 * geometry.face_areas(vertices, faces),
+        geometry.lengths(geometry.cross(sides[2], c - a)),
         longest,
         out=np.zeros(len(faces)),
         where=longest > 0,
@@ -216,7 +220,9 @@ def orient_faces(vertices: Floats, faces: Ints) -> Change:
 
 def drop_unreferenced_vertices(vertices: Floats, faces: Ints) -> Change:
     """Leave out vertices that belong to no face."""
-    origin = np.unique(faces)
+    used = np.zeros(len(vertices), dtype=bool)
+    used[faces] = True
+    origin = np.flatnonzero(used)
     renumber = np.full(len(vertices), -1, dtype=np.int64)
     renumber[origin] = np.arange(len(origin))
     none = np.zeros(len(faces), dtype=bool)
@@ -247,12 +253,19 @@ def _ends(faces: Ints) -> Ints:
 
 def _without(vertices: Floats, faces: Ints, bad: Bools, sentence: str) -> Change:
     everything = np.arange(len(vertices))
-    return Change(faces[~bad], everything, everything, int(bad.sum()), bad, sentence)
+    kept = faces[~bad] if bad.any() else faces
+    return Change(kept, everything, everything, int(bad.sum()), bad, sentence)
 
 
 def _split(vertices: Floats, faces: Ints, pairs: Ints, allowed: Bools, sentence: str) -> Change:
     """Give every fan but the largest at each `allowed` vertex (n,) a vertex of its own."""
     fan = gluing.fans(faces, pairs)
+    everything = np.arange(len(vertices))
+    used = np.zeros(len(vertices), dtype=bool)
+    used[faces] = True
+    if fan.max(initial=-1) + 1 == used.sum():  # one at each vertex
+        untouched = np.zeros(len(faces), dtype=bool)
+        return Change(faces, everything, everything, 0, untouched, sentence)
     _, first, sizes = np.unique(fan, return_index=True, return_counts=True)
     place = faces.ravel()[first]
     # at each vertex the fan with most corners keeps the number; of equals, the first
@@ -263,7 +276,6 @@ def _split(vertices: Floats, faces: Ints, pairs: Ints, allowed: Bools, sentence:
     number = place.copy()
     number[extra] = len(vertices) + np.arange(len(extra))
     split = number[fan].reshape(-1, 3)
-    everything = np.arange(len(vertices))
     origin = np.concatenate([everything, place[extra]])
     concerned = (split != faces).any(axis=1)
     return Change(split, origin, everything, len(extra), concerned, sentence)

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from sherd.arrays import FrozenState, Ints, frozen
+from sherd.arrays import Bools, Floats, FrozenState, Ints, frozen
 from sherd.errors import InvalidMeshError, OptionError
 from sherd.mesh import geometry
 from sherd.mesh.triangle_mesh import TriangleMesh
@@ -186,13 +186,9 @@ def repair(
     for name in steps:
         vertices = mesh.vertices[original]
         change = STEPS[name](vertices, faces)
-        areas = geometry.face_areas(vertices, faces)
-        fraction = float(areas[change.concerned].sum() / max(areas.sum(), np.finfo(float).tiny))
-        done.append(
-            RepairStep(
-                name, change.count, min(fraction, 1.0), spelled(change.sentence, change.count)
-            )
-        )
+        fraction = _share_of_area(vertices, faces, change.concerned)
+        sentence = spelled(change.sentence, change.count)
+        done.append(RepairStep(name, change.count, fraction, sentence))
         if not len(change.faces):
             raise InvalidMeshError(
                 f"{mesh.name}: no face with an area is left after '{name}'; export the mesh again"
@@ -206,3 +202,11 @@ def repair(
         return mesh, report
     fields = {key: values[original] for key, values in mesh.fields.items()}
     return TriangleMesh(mesh.vertices[original], faces, fields=fields, name=mesh.name), report
+
+
+def _share_of_area(vertices: Floats, faces: Ints, concerned: Bools) -> float:
+    if not concerned.any():
+        return 0.0
+    areas = geometry.face_areas(vertices, faces)
+    share = float(areas[concerned].sum() / max(areas.sum(), np.finfo(float).tiny))
+    return min(share, 1.0)

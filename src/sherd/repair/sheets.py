@@ -62,7 +62,7 @@ def without_crumbs(mesh: TriangleMesh, report: RepairReport) -> tuple[TriangleMe
 def _crumbs(mesh: TriangleMesh, report: RepairReport) -> Bools:
     """The vertices (n,) of those sheets."""
     original = report.original_vertices
-    if len(np.unique(original)) == len(original):  # no vertex was doubled
+    if np.bincount(original).max() == 1:  # no vertex was doubled
         return np.zeros(mesh.vertex_count, dtype=bool)
     labels = mesh.component_labels
     areas = np.bincount(labels, mesh.vertex_areas)
