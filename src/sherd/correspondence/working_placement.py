@@ -74,22 +74,32 @@ class WorkingPlacement:
         The two shapes.
     deformation
         The elastic part on the full shape.
-    points
-        A point for every vertex of the part itself.
     similarity
         (q,) similarity at the answers, neighborhoods seen inside the region only.
     strain
         (n',) relative strain of the elastic surface.
     score
         Area-weighted mean similarity minus mean strain, at most 1.
+    known_points
+        `points`, where they are known better than by the deformation; None if not.
     """
 
     question: Question
     deformation: Deformation
-    points: SurfacePoints
     similarity: Floats
     strain: Floats
     score: float
+    known_points: SurfacePoints | None = None
+
+    @cached_property
+    def points(self) -> SurfacePoints:
+        """A point of the full shape itself for every vertex of the part itself.
+
+        Found when they are asked for, as `mask` is.
+        """
+        if self.known_points is not None:
+            return self.known_points
+        return surface_points(self.question, self.question.full.own_finder, self.deformation)
 
     @cached_property
     def mask(self) -> Bools:
@@ -194,7 +204,6 @@ def judged_placement(question: Question, deformation: Deformation, look: Look) -
     return WorkingPlacement(
         question=question,
         deformation=deformation,
-        points=surface_points(question, full.own_finder, deformation),
         similarity=similarity,
         strain=strain,
         score=float(score),

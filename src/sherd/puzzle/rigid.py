@@ -82,7 +82,7 @@ def rigidly_placed(placed: PlacedPart, tolerance: float) -> tuple[PlacedPart, Ri
     positions = question.part.mesh.vertices @ turn.T + shift
     deformation = Deformation(positions, fit_rotations(question.part.elastic, positions))
     look = look_inside(question, deformation, placed.queries)
-    best = replace(judged_placement(question, deformation, look), points=points)
+    best = replace(judged_placement(question, deformation, look), known_points=points)
     share = float(areas @ (off <= tolerance) / areas.sum())
     return replace(placed, best=best), motion, share
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import cg
+from scipy.spatial import cKDTree
 
 from sherd.arrays import Bools, Floats
 from sherd.energy.cleanup import raised_to_area, threshold_to_area
@@ -17,6 +18,8 @@ __all__ = ["covered_region", "smoothed"]
 # Smoothing length in sqrt(area of the full shape): the vertex spacing of a 10,000-vertex mesh. It
 # closes the gaps that single vertices leave and rounds nothing that such a mesh can show.
 WIDTH = 0.01
+# Lengths of decay, width / sqrt(2), after which the border of the mask is felt by 1e-6 only.
+BAND = 14.0
 
 
 def covered_region(full: TriangleMesh, covered: Bools, area: float) -> tuple[Floats, Bools]:
@@ -50,14 +53,33 @@ def covered_region(full: TriangleMesh, covered: Bools, area: float) -> tuple[Flo
 def smoothed(mesh: TriangleMesh, covered: Bools) -> Floats:
     """Membership (n,) in [0, 1] near the mask (n,), for a mesh of area near 1.
 
-    `min over u of integral (u - c)^2 + t integral |grad u|^2`, t the square of the width.
+    `min over u of integral (u - c)^2 + t integral |grad u|^2`, t the square of the width. Away from
+    the border of the mask u is c, up to `exp(-BAND)`, so there nothing is solved.
     """
+    smooth = covered.astype(np.float64)
+    near = _near_border(mesh, covered)
+    if not near.any():
+        return smooth
+    band, vertices = mesh.submesh(near[mesh.faces].any(axis=1))
     # vertices without area are tied to nothing; a trace of mass keeps the system definite
-    mass = np.maximum(mesh.vertex_areas, 1e-12 * mesh.area / mesh.vertex_count)
-    weak = stiffness(mesh.vertices, mesh.faces)
+    mass = np.maximum(mesh.vertex_areas[vertices], 1e-12 * mesh.area / mesh.vertex_count)
+    weak = stiffness(band.vertices, band.faces)
     system = sparse.csr_array(sparse.diags_array(mass) + 0.5 * WIDTH**2 * weak)
     scale = sparse.diags_array(1.0 / system.diagonal())
-    coverage = covered.astype(np.float64)
-    smooth, _ = cg(system, mass * coverage, x0=coverage, rtol=1e-6, maxiter=500, M=scale)
-    result: Floats = np.clip(smooth, 0.0, 1.0)
-    return result
+    coverage = smooth[vertices]
+    found, _ = cg(system, mass * coverage, x0=coverage, rtol=1e-6, maxiter=500, M=scale)
+    smooth[vertices] = np.clip(found, 0.0, 1.0)
+    return smooth
+
+
+def _near_border(mesh: TriangleMesh, covered: Bools) -> Bools:
+    """The vertices (n,) within `BAND` lengths of decay of an edge on which the mask changes."""
+    mixed = covered[mesh.faces].any(axis=1) & ~covered[mesh.faces].all(axis=1)
+    if not mixed.any():
+        return np.zeros(mesh.vertex_count, dtype=bool)
+    tree = cKDTree(mesh.vertices[np.unique(mesh.faces[mixed])])
+    reach = BAND * WIDTH / np.sqrt(2)
+    # through space it is nearer than along the surface, so nobody is left out
+    distance = tree.query(mesh.vertices, distance_upper_bound=reach, workers=-1)[0]
+    near: Bools = np.isfinite(distance)
+    return near

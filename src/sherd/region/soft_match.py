@@ -103,7 +103,7 @@ def soft_match(
     likelihood = (similarity - best) / np.float32(TEMPERATURE) + np.log(areas)
     if forbidden is not None:
         likelihood[:, forbidden] = -np.float32(1e4)  # impossible, and sums stay finite
-    capacity = _Capacity(geometry)
+    capacity = _Capacity(geometry, np.float32(1.0) if forbidden is None else ~forbidden)
     probability = capacity.normalized(likelihood)
     for width in CONTEXT_WIDTHS:
         neighbors = _neighbor_weights(geometry, width)
@@ -133,8 +133,8 @@ def spread(
 class _Capacity:
     """Row-normalizes log probabilities while a price keeps every place from being used twice."""
 
-    def __init__(self, geometry: MatchGeometry) -> None:
-        self._geometry = geometry
+    def __init__(self, geometry: MatchGeometry, free: Bools | np.float32) -> None:
+        self._geometry, self._free = geometry, free
         self._mass = (geometry.sample_areas * geometry.part_fraction).astype(np.float32)
         self._price = np.zeros(len(geometry.areas), dtype=np.float32)
 
@@ -143,7 +143,7 @@ class _Capacity:
         np.maximum(weight, IMPOSSIBLE, out=weight)
         np.exp(weight, out=weight)  # once: a price is a factor of its place
         for _ in range(CAPACITY_STEPS):
-            factor = np.exp(-self._price)
+            factor = np.exp(-self._price) * self._free
             rows = weight @ factor
             mass = np.asarray(factor * ((self._mass / rows) @ weight), dtype=np.float32)
             used = spread(mass[None], self._geometry, CAPACITY_WIDTH)[0]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any, TypeAlias
 
@@ -17,6 +17,7 @@ from sherd.results.placement import Placement
 
 __all__ = [
     "Answer",
+    "Content",
     "Report",
     "alternative_facts",
     "alternative_sentences",
@@ -34,6 +35,7 @@ CLOSE_SCORE = 0.02
 
 
 Answer: TypeAlias = MatchResult | LocateResult
+Content: TypeAlias = Callable[[], str | bytes]
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,14 +49,15 @@ class Report:
     exhibit
         What the page and the picture show.
     files
-        Further files by name.
+        What makes the content of further files, by name: of a million vertices text takes seconds,
+        which another core may use.
     picture_name
         What the picture is called.
     """
 
     document: Mapping[str, Any]
     exhibit: Exhibit
-    files: Mapping[str, str | bytes]
+    files: Mapping[str, Content]
     picture_name: str
 
 

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import asdict
+from functools import partial
 from typing import Any
 
 from sherd.drawing.exhibit import Alternative, Exhibit, Layer, Verdict
 from sherd.files.encode import encoded
 from sherd.report.files import painted_ply
 from sherd.report.frame import (
+    Content,
     Report,
     alternative_facts,
     alternative_sentences,
@@ -32,10 +34,10 @@ def locate_report(result: LocateResult, *, command: str = "") -> Report:
     """All that is written of a located region."""
     document = _document(result, command)
     exhibit = _exhibit(result, document)
-    files: dict[str, str | bytes] = {
-        "region.csv": region_csv(result.best),
-        "region.ply": painted_ply(result.full, exhibit.full_layers),
-        "part.ply": encoded(result.part, ".ply"),
+    files: dict[str, Content] = {
+        "region.csv": partial(region_csv, result.best),
+        "region.ply": partial(painted_ply, result.full, exhibit.full_layers),
+        "part.ply": partial(encoded, result.part, ".ply"),
     }
     return Report(document, exhibit, files, picture_name="region.png")
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import asdict
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,7 @@ from sherd.drawing.exhibit import Alternative, Exhibit, Layer, Partner, Verdict
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.report.files import corr_text, painted_ply, table_csv
 from sherd.report.frame import (
+    Content,
     Report,
     alternative_facts,
     alternative_sentences,
@@ -43,15 +45,15 @@ def match_report(result: MatchResult, *, command: str = "", errors: Floats | Non
     exhibit = _exhibit(result, document, errors)
     colors = full_layer(exhibit, exhibit.full_layers[0].name) or exhibit.full_layers[0]
     carried = part_layer(exhibit, colors.name) or colors
-    files: dict[str, str | bytes] = {
-        "correspondence.csv": correspondence_csv(result),
-        "correspondence.corr": corr_text(_partner(result)),
-        "region.csv": region_csv(result.best),
-        "full.ply": painted_ply(result.full, exhibit.full_layers, painted=colors),
-        "part.ply": painted_ply(result.part, exhibit.part_layers, painted=carried),
+    files: dict[str, Content] = {
+        "correspondence.csv": partial(correspondence_csv, result),
+        "correspondence.corr": partial(corr_text, _partner(result)),
+        "region.csv": partial(region_csv, result.best),
+        "full.ply": partial(painted_ply, result.full, exhibit.full_layers, painted=colors),
+        "part.ply": partial(painted_ply, result.part, exhibit.part_layers, painted=carried),
     }
     if result.alternatives:
-        files["alternatives.npz"] = stored_alternatives(result.alternatives)
+        files["alternatives.npz"] = partial(stored_alternatives, result.alternatives)
     return Report(document, exhibit, files, picture_name="match.png")
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import asdict
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,7 @@ from sherd.drawing.exhibit import Exhibit, Layer, Partner, SharedCurve, Verdict
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.report.files import painted_ply, table_csv
-from sherd.report.frame import Report, mesh_facts
+from sherd.report.frame import Content, Report, mesh_facts
 from sherd.report.known_layers import file_layers, known_layer
 from sherd.report.stored.folder import OVERLAP_FORMAT
 from sherd.results.overlap_result import Overlap, SharedMap
@@ -33,13 +34,13 @@ def overlap_report(result: Overlap, *, command: str = "") -> Report:
     colors = full_layer(exhibit, exhibit.full_layers[0].name) or exhibit.full_layers[0]
     carried = part_layer(exhibit, colors.name) or colors
     one, other = result.first_to_second, result.second_to_first
-    files: dict[str, str | bytes] = {
-        "correspondence.csv": _map_csv(other, "second", "first", result.first),
-        "inverse.csv": _map_csv(one, "first", "second", result.second),
-        "first_region.csv": _region_csv("first", one.matched, one.membership),
-        "second_region.csv": _region_csv("second", other.matched, other.membership),
-        "first.ply": painted_ply(result.first, exhibit.full_layers, painted=colors),
-        "second.ply": painted_ply(result.second, exhibit.part_layers, painted=carried),
+    files: dict[str, Content] = {
+        "correspondence.csv": partial(_map_csv, other, "second", "first", result.first),
+        "inverse.csv": partial(_map_csv, one, "first", "second", result.second),
+        "first_region.csv": partial(_region_csv, "first", one.matched, one.membership),
+        "second_region.csv": partial(_region_csv, "second", other.matched, other.membership),
+        "first.ply": partial(painted_ply, result.first, exhibit.full_layers, painted=colors),
+        "second.ply": partial(painted_ply, result.second, exhibit.part_layers, painted=carried),
     }
     return Report(document, exhibit, files, picture_name="overlap.png")
 

@@ -106,10 +106,10 @@ def write_report(
     kind = kind_of(document)
     replaced = replaceable_files(folder, kind, overwrite=overwrite)
     with ResultFolder(folder, replaced=replaced) as output:
-        for name, content in report.files.items():
-            output.add(name, content)
         camera = stage(report.exhibit)
         shown = begun(lambda: packed(report.exhibit, staging=camera))
+        for name, make in report.files.items():
+            output.add(name, make())
         image = picture(report.exhibit, staging=camera)
         png = begun(lambda: png_bytes(image))
         output.add("report.html", page_of(report.exhibit, shown(), without_heading(image)))

@@ -56,13 +56,18 @@ class Template(DescribedSurface):
     """
 
     def __init__(self, full: MeshSource | Intake) -> None:
-        intake = full if isinstance(full, Intake) else mesh_intake(full)
-        placed = canonical(intake.mesh, intake.mesh.length)
-        self._set_up(intake, working_surface(placed), Known())
+        self._begin()
+        self.intake = full if isinstance(full, Intake) else mesh_intake(full)
 
-    def _set_up(self, intake: Intake, working: WorkingSurface, known: Known) -> None:
-        super().__init__(working, known=known)
-        self.intake = intake
+    @cached_property
+    def placed(self) -> TriangleMesh:
+        """The full shape at unit scale, whose vertices and faces answers are counted by."""
+        return canonical(self.intake.mesh, self.intake.mesh.length)
+
+    @cached_property
+    def _given(self) -> tuple[WorkingSurface, Known]:
+        # of a million vertices this takes seconds, in which the part can be made ready as well
+        return working_surface(self.placed), Known()
 
     def __repr__(self) -> str:
         return f"Template({self.full.name!r}, {self.full.vertex_count} vertices)"
@@ -140,9 +145,8 @@ class Template(DescribedSurface):
             If it was made for another mesh than `full`.
         """
         content = file_content(path)
-        template = cls.__new__(cls)
-        intake = _intake(content, path, full)
-        template._set_up(intake, *_described(content, canonical(intake.mesh, intake.mesh.length)))
+        template = cls(_intake(content, path, full))
+        template._given = _described(content, template.placed)
         return template
 
 
@@ -162,14 +166,8 @@ class ArrivingTemplate(Template):
     """
 
     def __init__(self, content: Callable[[], Content], path: Path, full: Intake) -> None:
-        self._begin()
-        self.intake = full
+        super().__init__(full)
         self._content, self._path = content, path
-
-    @cached_property
-    def placed(self) -> TriangleMesh:
-        """The full shape at unit scale, which is no part of the file."""
-        return canonical(self.intake.mesh, self.intake.mesh.length)
 
     @property
     def prepared(self) -> bool:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -20,7 +21,7 @@ from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.report.files import painted_ply, table_csv
 from sherd.report.fitted.morph import morph_glb
-from sherd.report.frame import Report, mesh_facts
+from sherd.report.frame import Content, Report, mesh_facts
 from sherd.report.known_layers import file_layers, known_layer
 from sherd.report.stored.folder import FIT_FORMAT
 from sherd.results.fitted.completion import FITTED, Completion
@@ -42,19 +43,19 @@ def fit_report(
     document = _document(result, command)
     exhibit = fitted_exhibit(result, document)
     colors = full_layer(exhibit, "correspondence") or exhibit.full_layers[0]
-    files: dict[str, str | bytes] = {
-        "fit.ply": painted_ply(result.mesh, exhibit.full_layers, painted=colors),
-        "fit.obj": _obj(result, texture),
-        "fit.glb": morph_glb(result.full, result.positions, colors),
-        "fit.csv": _vertices_csv(result),
-        "full.ply": painted_ply(result.full, file_layers(result.full.fields)),
+    files: dict[str, Content] = {
+        "fit.ply": partial(painted_ply, result.mesh, exhibit.full_layers, painted=colors),
+        "fit.obj": partial(_obj, result, texture),
+        "fit.glb": partial(morph_glb, result.full, result.positions, colors),
+        "fit.csv": partial(_vertices_csv, result),
+        "full.ply": partial(painted_ply, result.full, file_layers(result.full.fields)),
     }
     for number, piece in enumerate(result.pieces):
-        files[f"piece_{number}/part.ply"] = painted_ply(piece.part, _piece_layers([piece]))
-        files[f"piece_{number}/distances.csv"] = _distances_csv(piece)
+        files[f"piece_{number}/part.ply"] = partial(painted_ply, piece.part, _piece_layers([piece]))
+        files[f"piece_{number}/distances.csv"] = partial(_distances_csv, piece)
     done = result.completion
     if done is not None:
-        files["completed.ply"] = encoded(done.mesh, ".ply", fields={"origin": done.origin})
+        files["completed.ply"] = partial(encoded, done.mesh, ".ply", fields={"origin": done.origin})
     return Report(document, exhibit, files, picture_name="fit.png")
 
 

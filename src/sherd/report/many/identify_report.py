@@ -42,7 +42,7 @@ def identify_report(result: Identification, *, command: str = "") -> Report:
         summary=(*_sentences(result), *report.exhibit.summary),
         facts={"Full shapes": names, **report.exhibit.facts},
     )
-    files = {**report.files, "candidates.csv": candidates_csv(result)}
+    files = {**report.files, "candidates.csv": lambda: candidates_csv(result)}
     document = {**report.document, "identification": facts}
     return Report(document, exhibit, files, report.picture_name)
 

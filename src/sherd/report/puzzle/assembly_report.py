@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import asdict, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from sherd.drawing.exhibit import Exhibit, Partner, Verdict
 from sherd.report.files import painted_ply, table_csv
-from sherd.report.frame import Report, mesh_facts
+from sherd.report.frame import Content, Report, mesh_facts
 from sherd.report.match_report import correspondence_csv
 from sherd.report.puzzle.assembly_scene import AssemblyScene
 from sherd.report.puzzle.piece_row import ShownPiece
@@ -39,14 +40,16 @@ def assembly_report(result: Assembly, *, command: str = "") -> Report:
     """All that is written of an assembly."""
     document = _document(result, command)
     scene = _scene(result)
-    files: dict[str, str | bytes] = {
-        "labels.csv": _labels_csv(result, scene),
-        "full.ply": painted_ply(result.full, scene.full_layers),
+    files: dict[str, Content] = {
+        "labels.csv": partial(_labels_csv, result, scene),
+        "full.ply": partial(painted_ply, result.full, scene.full_layers),
     }
     for number, piece in enumerate(result.pieces):
-        files[piece_file(number, "part.ply")] = painted_ply(piece.part, scene.piece_layers(number))
+        files[piece_file(number, "part.ply")] = partial(
+            painted_ply, piece.part, scene.piece_layers(number)
+        )
         if piece.placed and piece.match is not None:
-            files[piece_file(number)] = correspondence_csv(piece.match)
+            files[piece_file(number)] = partial(correspondence_csv, piece.match)
     return Report(document, _exhibit(result, document, scene), files, picture_name="assembly.png")
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,7 @@ from sherd.drawing.exhibit import Exhibit, Layer, Partner, Verdict
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.report.files import painted_ply, table_csv
-from sherd.report.frame import Report, mesh_facts
+from sherd.report.frame import Content, Report, mesh_facts
 from sherd.report.known_layers import known_layer
 from sherd.report.puzzle.assembly_report import piece_file
 from sherd.report.puzzle.piece_colors import piece_palette
@@ -51,11 +52,11 @@ def joined_report(result: Joined, *, command: str = "") -> Report:
     """All that is written of pieces without a whole."""
     document = _document(result, command)
     partners = [_partners(result, number) for number in range(len(result.pieces))]
-    files: dict[str, str | bytes] = {"pairs.csv": _pairs_csv(result)}
+    files: dict[str, Content] = {"pairs.csv": partial(_pairs_csv, result)}
     for number, (piece, own) in enumerate(zip(result.pieces, partners, strict=True)):
         layer = _group_layer(np.full(piece.vertex_count, result.group_of[number]), result.groups)
-        files[piece_file(number, "part.ply")] = painted_ply(piece, [layer])
-        files[piece_file(number, "partners.csv")] = _partners_csv(own)
+        files[piece_file(number, "part.ply")] = partial(painted_ply, piece, [layer])
+        files[piece_file(number, "partners.csv")] = partial(_partners_csv, own)
     exhibit = replace(
         joined_exhibit(result.pieces, result.groups, partners),
         verdict=Verdict.from_advice(_said(result), trusted=_good(result)),
