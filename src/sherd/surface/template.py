@@ -92,9 +92,9 @@ class Template(DescribedSurface):
     @property
     def prepared(self) -> bool:
         """Whether all that matching needs is known."""
+        known = self._known if "_given" in vars(self) else Known()  # else it would be made now
         return all(
-            name in vars(self) or getattr(self._known, name) is not None
-            for name in ("spectra", "dense")
+            name in vars(self) or getattr(known, name) is not None for name in ("spectra", "dense")
         )
 
     def prepare(self) -> None:
