@@ -20,6 +20,7 @@ than to chance.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TypeAlias, TypeVar
 
 import numpy as np
@@ -40,6 +41,7 @@ from sherd.correspondence.labels.consistent import (
 )
 from sherd.correspondence.labels.inverse import closing_nodes, inverse_labeling, inverse_labels
 from sherd.correspondence.labels.labeling import LIMIT, NOWHERE_COST, Labeling, Problem, solve
+from sherd.threads import side_by_side
 
 __all__ = ["Both", "TwoLabelings", "two_way_labelings"]
 
@@ -107,6 +109,20 @@ class TwoLabelings:
 
 
 @dataclass(frozen=True, eq=False)
+class _Alone:
+    """What one direction says alone, without hearing of the other.
+
+    The energy of its nodes by chance and that of a first labeling over it, and what to start from:
+    labelings of all nodes, and of groups of them.
+    """
+
+    chance: float
+    first_ratio: float
+    wholes: list[Labeling]
+    groups: list[Labeling]
+
+
+@dataclass(frozen=True, eq=False)
 class _Agreed:
     """Both labelings after a round, placed where `agrees`; `placed` before, and what it saves."""
 
@@ -129,38 +145,42 @@ def two_way_labelings(
         One for each direction, so that swapping the shapes swaps the answer.
     """
     problems = (forward, backward)
-    chance = (chance_energy(forward, rngs[0]), chance_energy(backward, rngs[1]))
-    start = (first_labeling(forward), first_labeling(backward))
-    ratios = [one.energy / max(energy, 1e-12) for one, energy in zip(start, chance, strict=True)]
-    alone = [proposed_anchors(*each) for each in zip(problems, start, strict=True)]
-    groups = [
-        [_only(each, group) for group in consistent_groups(problem, each, energy)[:GROUPS]]
-        for problem, each, energy in zip(problems, alone, chance, strict=True)
-    ]
-    # nodes that the other shape lacks then neither say where others lie nor take their places
-    priced = [
-        each.priced(STARTING_PRICE * energy) for each, energy in zip(problems, chance, strict=True)
-    ]
-    wholes = [
-        [each, proposed_anchors(problem, first_labeling(problem))]
-        for each, problem in zip(alone, priced, strict=True)
-    ]
-    starts = [*_led(problems, *wholes), *_led(problems, *groups)]
-    tried = [_agreed(problems, chance, begun, inside=1.0) for begun in starts]
+    there, back = side_by_side(
+        partial(_alone, problem, rng) for problem, rng in zip(problems, rngs, strict=True)
+    )
+    chance = (there.chance, back.chance)
+    starts = _led(problems, there.wholes, back.wholes)
+    starts += _led(problems, there.groups, back.groups)
+    tried = _all_agreed(problems, chance, starts, inside=1.0)
     for left in LEFT:
         # where none saves anything, swapping the shapes must still swap what is chosen
         tried = sorted(tried, key=_worth, reverse=True)[:left]
-        tried = [
-            max(each, _agreed(problems, chance, each.found, inside=LIMIT), key=_worth)
-            for each in tried
-        ]
+        again = _all_agreed(problems, chance, [each.found for each in tried], inside=LIMIT)
+        tried = [max(pair, key=_worth) for pair in zip(tried, again, strict=True)]
     best = max(tried, key=_worth)
     kept = sum(
         float(node_areas(problem)[agrees].sum())
         for problem, agrees in zip(problems, best.agrees, strict=True)
     )
     worth = best.saved / kept if kept > 0 else 0.0
-    return TwoLabelings(*best.found, *best.agrees, chance, _agreement(best), worth, min(ratios))
+    ratio = min(there.first_ratio, back.first_ratio)
+    return TwoLabelings(*best.found, *best.agrees, chance, _agreement(best), worth, ratio)
+
+
+def _alone(problem: Problem, rng: np.random.Generator) -> _Alone:
+    """Label one direction as if the other did not exist."""
+    chance = chance_energy(problem, rng)
+    first = first_labeling(problem)
+    whole = proposed_anchors(problem, first)
+    groups = consistent_groups(problem, whole, chance)[:GROUPS]
+    # nodes that the other shape lacks then neither say where others lie nor take their places
+    priced = problem.priced(STARTING_PRICE * chance)
+    return _Alone(
+        chance=chance,
+        first_ratio=first.energy / max(chance, 1e-12),
+        wholes=[whole, proposed_anchors(priced, first_labeling(priced))],
+        groups=[_only(whole, group) for group in groups],
+    )
 
 
 def _led(
@@ -170,6 +190,19 @@ def _led(
     forward, backward = problems
     starts = [(one, inverse_labeling(backward, one)) for one in ones]
     return starts + [(inverse_labeling(forward, other), other) for other in others]
+
+
+def _all_agreed(
+    problems: Both[Problem],
+    chance: Both[float],
+    starts: list[Both[Labeling]],
+    *,
+    inside: float,
+) -> list[_Agreed]:
+    """One round from each start."""
+    return side_by_side(
+        partial(_agreed, problems, chance, start, inside=inside) for start in starts
+    )
 
 
 def _agreed(
