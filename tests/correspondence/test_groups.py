@@ -79,8 +79,8 @@ def test_what_grows_from_a_group_forgets_where_the_rest_lay(problem, truth, side
     labels, rotations = candidates_around(problem, labeling, nothing_else)
     assert labels.shape == rotations.shape
     assert (labels[low, 0] == truth.labels[low]).all()
-    assert not (labels[~low] == wrong[~low, None]).any()
     # those beside the group are brought to their places by it
     near = ~low & (problem.nodes.between[:, low].min(axis=1) < GAP / 2)
+    assert not (labels[near] == wrong[near, None]).any()
     off = between[labels[near], truth.labels[near, None]].min(axis=1)
     assert np.median(off) < CLOSE
