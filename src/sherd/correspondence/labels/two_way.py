@@ -172,10 +172,9 @@ def two_way_labelings(
         best = max(begun, key=_worth)
         if best.saved >= settled:
             break
-    if best.saved >= settled:
-        best = _continued(problems, chance, [best])
-    else:
-        best = _continued(problems, chance, begun)
+    unsettled = best.saved < settled
+    best = _continued(problems, chance, begun)
+    if unsettled:
         grown = _grown(problems, chance, begun)
         if grown.saved > best.saved and _saved_per_area(problems, grown) >= SURE:
             best = grown
