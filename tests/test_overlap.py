@@ -15,7 +15,7 @@ from sherd.errors import InfeasibleError, OptionError
 from sherd.results.overlap_result import Overlap
 from sherd.results.status import Status
 from sherd.shapes.creature import creature, landmarks
-from sherd.shapes.fragment import Fragment, cut_by_ball, moved, whole
+from sherd.shapes.fragment import Fragment, cut_by_ball, cut_by_level, moved, whole
 
 
 @pytest.fixture(scope="module")
@@ -70,6 +70,26 @@ def test_swapping_the_shapes_swaps_the_answer(fragments, answer) -> None:
         assert np.allclose(one.points.barycentric, other.points.barycentric)
     assert swapped.chance == pytest.approx(answer.chance)
     assert swapped.curve.first == answer.curve.second
+
+
+def test_a_front_and_a_rear_that_share_the_middle_are_laid_there() -> None:
+    # most of either belongs nowhere, and lies well on the other's legs
+    full = creature(5000)
+    places = full.vertices - full.vertices.mean(axis=0)
+    along = places @ np.linalg.svd(places, full_matrices=False)[2][0]
+    order = np.argsort(along)
+    share = np.cumsum(full.vertex_areas[order]) / full.area
+    until, since = (along[order][np.searchsorted(share, at)] for at in (0.65, 0.35))
+    walking = whole(creature(5000, pose="walk"), full)
+    front = cut_by_level(whole(full, full), until - along)
+    rear = moved(cut_by_level(walking, along - since), np.random.default_rng(3))
+    answer = sherd.overlap(front.mesh, rear.mesh)
+    truth, on_rear = points_on_other_part(as_pair(front), as_pair(rear))
+    assert region_overlap(rear.mesh, answer.second_to_first.matched, on_rear) > 0.88
+    rows = np.flatnonzero(on_rear & answer.second_to_first.matched)
+    there = answer.second_to_first.points[rows].positions(front.mesh)
+    off = np.linalg.norm(there - truth[rows].positions(front.mesh), axis=1) / full.length
+    assert off.mean() < 0.03
 
 
 def test_more_is_shared_the_more_strain_is_accepted(answer) -> None:

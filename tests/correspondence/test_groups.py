@@ -7,12 +7,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from sherd.correspondence.labels.anchors import candidates_around
 from sherd.correspondence.labels.consistent import consistent_groups, node_areas
 from sherd.correspondence.labels.labeling import Labeling, Problem, labeling_problem
 
 SHIFTS = 16
 # Wider than groups reach.
 GAP = 0.15
+# Labels lie about this far from each other.
+CLOSE = 0.05
 CHANCE = 20.0
 
 
@@ -65,3 +68,19 @@ def test_a_patch_among_nodes_that_lie_anywhere_is_the_first_group(problem, truth
 def test_where_nothing_is_placed_there_is_no_group(problem, truth) -> None:
     nothing = replace(truth, placed=np.zeros(len(truth.labels), dtype=bool))
     assert consistent_groups(problem, nothing, CHANCE) == []
+
+
+def test_what_grows_from_a_group_forgets_where_the_rest_lay(problem, truth, sides) -> None:
+    low, _ = sides
+    between = problem.labels.between
+    wrong = between[truth.labels].argmax(axis=1)  # as far from the truth as can be
+    labeling = replace(truth, labels=np.where(low, truth.labels, wrong), placed=low)
+    nothing_else = np.repeat(truth.labels[np.flatnonzero(low)[0]], len(low))[:, None]
+    labels, rotations = candidates_around(problem, labeling, nothing_else)
+    assert labels.shape == rotations.shape
+    assert (labels[low, 0] == truth.labels[low]).all()
+    # those beside the group are brought to their places by it
+    near = ~low & (problem.nodes.between[:, low].min(axis=1) < GAP / 2)
+    assert not (labels[near] == wrong[near, None]).any()
+    off = between[labels[near], truth.labels[near, None]].min(axis=1)
+    assert np.median(off) < CLOSE

@@ -22,7 +22,7 @@ __all__ = [
     "FEATURES",
     "belonging_chance",
     "first_energy_ratio",
-    "mirrored_energy_ratio",
+    "mirrored_energies",
     "placement_chance",
     "placement_features",
     "self_likeness",
@@ -116,18 +116,18 @@ def first_energy_ratio(
     return energy_ratio(problem, first_labeling(problem), rng)
 
 
-def mirrored_energy_ratio(questions: Sequence[Question], seed: int) -> float:
-    """The least energy of first labelings of mirror images, over what it would be by chance.
+def mirrored_energies(questions: Sequence[Question], seed: int) -> list[float]:
+    """Energies of first labelings of mirror images, one for each question.
 
-    Of a left leg asked about a right one this is far lower than that of the leg itself.
+    Of a left leg asked about a right one this is far lower than that of the leg itself. By chance
+    both would cost the same.
     """
-    ratios = []
-    for question in questions:
-        image = question.with_part(mirrored(question.part))
-        problem = anchor_problem(image, np.random.default_rng(seed))
-        chance = np.random.default_rng(seed)
-        ratios.append(energy_ratio(problem, first_labeling(problem), chance))
-    return min(ratios)
+    return [
+        first_labeling(
+            anchor_problem(question.with_part(mirrored(question.part)), np.random.default_rng(seed))
+        ).energy
+        for question in questions
+    ]
 
 
 def belonging_chance(ratio: float, share: float) -> float:

@@ -23,6 +23,7 @@ from sherd.correspondence.labels.labeling_data import State
 
 __all__ = [
     "candidates_again",
+    "candidates_around",
     "chance_energy",
     "energy_ratio",
     "find_anchors",
@@ -135,6 +136,25 @@ def candidates_again(
     labels = np.concatenate([labeling.labels[:, None], proposed, *by_turn], axis=1)
     turns = [_at(turn, each) for each in by_turn]
     return labels, np.concatenate([labeling.rotations[:, None], proposed_turns, *turns], axis=1)
+
+
+def candidates_around(problem: Problem, labeling: Labeling, also: Ints) -> tuple[Ints, Floats]:
+    """Candidates (k, c) by the placed nodes alone: where each is, or where its neighbors place it.
+
+    And the labels of the nearest that are placed, and `also` (k, a). Where nodes that are placed
+    nowhere lay before is not among them.
+    """
+    proposed, proposed_turns = _proposals(problem, labeling)
+    placed = labeling.placed
+    own = np.where(placed, labeling.labels, proposed[:, 0])
+    own_turn = np.where(placed, labeling.rotations, proposed_turns[:, 0])
+    reach = np.where(placed[None, :], problem.nodes.between, np.inf)
+    np.fill_diagonal(reach, np.inf)
+    near = np.argsort(reach, axis=1, kind="stable")[:, :NEAR_LABELS]
+    further = np.concatenate([also, labeling.labels[near]], axis=1)
+    labels = np.concatenate([own[:, None], proposed, further], axis=1)
+    turns = [own_turn[:, None], proposed_turns, _at(problem.turns, further)]
+    return labels, np.concatenate(turns, axis=1)
 
 
 def grown(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -11,7 +12,7 @@ from sherd.arrays import Floats, Ints
 from sherd.correspondence.confidence import LEAST, MOST, confidences
 from sherd.correspondence.labels.two_way import Both, TwoLabelings
 from sherd.correspondence.question import Question
-from sherd.correspondence.shared.region_cut import seam_lengths, shared_region
+from sherd.correspondence.shared.region_cut import seam_lengths, shared_regions
 from sherd.correspondence.shared.two_way_placement import (
     SharedPlacement,
     other_goes_on,
@@ -23,6 +24,7 @@ from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.results.advice import UnfollowedLandmark
 from sherd.results.overlap_result import StrainCurve
+from sherd.threads import side_by_side
 
 __all__ = [
     "APART",
@@ -162,13 +164,19 @@ def _apart(question: Question, place: SharedPlacement) -> float:
 
 def strain_curve(questions: Both[Question], placements: Both[SharedPlacement]) -> StrainCurve:
     """Share of each shape's area that would be shared if more strain were accepted, or less."""
-    shares = []
-    for question, place in zip(questions, placements, strict=True):
-        mesh, goes_on = question.part.mesh, other_goes_on(question, place.trip)
-        costs = [sharing_cost(place.trip, place.strain, strain) for strain in STRAINS]
-        regions = [shared_region(mesh, cost, goes_on) for cost in costs]
-        shares.append(tuple(float(mesh.vertex_areas @ region / mesh.area) for region in regions))
-    return StrainCurve(STRAINS, first=shares[1], second=shares[0])
+    second, first = side_by_side(
+        partial(_shares, question, place)
+        for question, place in zip(questions, placements, strict=True)
+    )
+    return StrainCurve(STRAINS, first=first, second=second)
+
+
+def _shares(question: Question, place: SharedPlacement) -> tuple[float, ...]:
+    """Share of the part's area for each of `STRAINS`."""
+    mesh, goes_on = question.part.mesh, other_goes_on(question, place.trip)
+    costs = [sharing_cost(place.trip, place.strain, strain) for strain in STRAINS]
+    regions = shared_regions(mesh, costs, goes_on)
+    return tuple(float(mesh.vertex_areas @ region / mesh.area) for region in regions)
 
 
 def unfollowed_pairs(

@@ -13,6 +13,8 @@ approximate energy minimization via graph cuts*, 2001, section 3).
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from sherd.arrays import Bools, Floats
@@ -20,7 +22,7 @@ from sherd.mesh.minimum_cut import minimum_cut
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.spectral.operators import stiffness
 
-__all__ = ["INSIDE", "WIDTH", "seam_lengths", "shared_region"]
+__all__ = ["INSIDE", "WIDTH", "seam_lengths", "shared_region", "shared_regions"]
 
 # Half the smallest neighborhood that is compared: what is narrower than twice that, and no better
 # than its price, goes with its surroundings.
@@ -30,17 +32,22 @@ WIDTH = 0.02
 INSIDE = 4.0
 
 
-def shared_region(mesh: TriangleMesh, cost: Floats, goes_on: Bools) -> Bools:
-    """The region (n,) of least energy; `cost` (n,) is 1 where a vertex is just worth its price.
+def shared_regions(mesh: TriangleMesh, costs: Sequence[Floats], goes_on: Bools) -> list[Bools]:
+    """The region (n,) of least energy for each of `costs` (n,), which are 1 at the price.
 
     Both shapes are cut from something whole, so what they share ends where either ends. Where the
     other shape goes on, at the vertices `goes_on` (n,), a border costs `INSIDE` times its length.
     """
-    gain = mesh.vertex_areas * (1.0 - cost)
     first, second = mesh.edges.T
     dear = np.where(goes_on[first] & goes_on[second], INSIDE, 1.0)
-    outside = minimum_cut(gain, (first, second), WIDTH * dear * seam_lengths(mesh))
-    return ~outside
+    price = WIDTH * dear * seam_lengths(mesh)
+    areas = mesh.vertex_areas
+    return [~minimum_cut(areas * (1.0 - cost), (first, second), price) for cost in costs]
+
+
+def shared_region(mesh: TriangleMesh, cost: Floats, goes_on: Bools) -> Bools:
+    """:func:`shared_regions` of one cost."""
+    return shared_regions(mesh, [cost], goes_on)[0]
 
 
 def seam_lengths(mesh: TriangleMesh) -> Floats:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -31,6 +32,7 @@ from sherd.correspondence.working_placement import (
 )
 from sherd.descriptors.rotation_shot import trusted_equally
 from sherd.surface.described import RADII
+from sherd.threads import side_by_side
 
 __all__ = ["SharedPlacement", "other_goes_on", "placed_together", "sharing_cost"]
 
@@ -103,37 +105,46 @@ def placed_together(
         (labelings.forward, labelings.forward_agrees),
         (labelings.backward, labelings.backward_agrees),
     )
-    laid, looks = [], []
-    for question, (labeling, agrees), each in zip(questions, found, queries, strict=True):
-        present = agrees[question.part.sparse.cells].astype(np.float64)
-        start = _from_labeling(question, labeling, agrees, present)
-        look = _look_by_cut(question, each)
-        laid.append(
-            registered_to_surface(question, start, look, reaches=FIRST_REACHES, present=present)
-        )
+    laid = side_by_side(
+        partial(_first_laid, *each) for each in zip(questions, found, queries, strict=True)
+    )
     together = _drawn_together(questions, (laid[0], laid[1]), strain)
-    laid = []
-    for side, (question, each) in enumerate(zip(questions, queries, strict=True)):
-        own, other = together[side], together[1 - side]
-        look = _look_inside(question, each, own.shared, other.shared)
-        present = own.shared.astype(np.float64)
-        looks.append(look)
-        laid.append(
-            registered_to_surface(
-                question, own.deformation, look, reaches=SECOND_REACHES, present=present
-            )
-        )
-    together = _drawn_together(questions, (laid[0], laid[1]), strain)
-    judged = [
-        replace(
-            own,
-            similarity=similar_places(
-                question.full, own.deformation.positions, look, reach=ANSWER_REACH
-            )[2],
-        )
-        for question, own, look in zip(questions, together, looks, strict=True)
-    ]
+    seen = side_by_side(
+        partial(_laid_again, *each)
+        for each in zip(questions, queries, together, together[::-1], strict=True)
+    )
+    drawn = _drawn_together(questions, (seen[0][0], seen[1][0]), strain)
+    judged = side_by_side(
+        partial(_judged, question, own, look)
+        for question, own, (_, look) in zip(questions, drawn, seen, strict=True)
+    )
     return (judged[0], judged[1])
+
+
+def _first_laid(question: Question, found: tuple[Labeling, Bools], queries: Queries) -> Deformation:
+    """Laid by the nodes that agree, and by neighborhoods that each shape's cut makes incomplete."""
+    labeling, agrees = found
+    present = agrees[question.part.sparse.cells].astype(np.float64)
+    start = _from_labeling(question, labeling, agrees, present)
+    look = _look_by_cut(question, queries)
+    return registered_to_surface(question, start, look, reaches=FIRST_REACHES, present=present)
+
+
+def _laid_again(
+    question: Question, queries: Queries, own: SharedPlacement, other: SharedPlacement
+) -> tuple[Deformation, Look]:
+    """Laid by what both shapes see of what is shared; and what they saw."""
+    look = _look_inside(question, queries, own.shared, other.shared)
+    present = own.shared.astype(np.float64)
+    start = own.deformation
+    laid = registered_to_surface(question, start, look, reaches=SECOND_REACHES, present=present)
+    return laid, look
+
+
+def _judged(question: Question, own: SharedPlacement, look: Look) -> SharedPlacement:
+    positions = own.deformation.positions
+    alike = similar_places(question.full, positions, look, reach=ANSWER_REACH)[2]
+    return replace(own, similarity=alike)
 
 
 def sharing_cost(trip: RoundTrip, strain: Floats, accepted: float) -> Floats:
@@ -183,33 +194,56 @@ def _drawn_together(
     questions: Both[Question], laid: Both[Deformation], strain: float
 ) -> Both[SharedPlacement]:
     """Each drawn to the middle between its own places and the inverse of the other's."""
-    drawn, gaps = [], []
-    for question, own, trip in zip(questions, laid, _trips(questions, laid), strict=True):
-        apart = np.maximum(np.linalg.norm(trip.there - trip.inverse, axis=1), trip.gap)
-        closes = (apart < CLOSES) & ~trip.beyond & (trip.missed < CLOSES / 2)
-        middle = 0.5 * (trip.there + trip.inverse)
-        gaps.append(apart)
-        drawn.append(
-            registered_to_positions(
-                question, own, middle, rounds=TOGETHER_ROUNDS, present=closes.astype(np.float64)
-            )
-        )
-    together = (drawn[0], drawn[1])
-    trips = _trips(questions, together)
-    strained = [
-        _around(question, elastic_strain(question.part, own))
+    drawn = side_by_side(
+        partial(_drawn_to_middle, *each)
+        for each in zip(questions, laid, _trips(questions, laid), strict=True)
+    )
+    together = (drawn[0][0], drawn[1][0])
+    strained = side_by_side(
+        partial(_strain_around, question, own)
         for question, own in zip(questions, together, strict=True)
-    ]
-    placements = []
-    for side, (question, trip) in enumerate(zip(questions, trips, strict=True)):
-        # the other surface is strained where this one is as well; either may tell
-        there = trip.points.interpolate(question.full.mesh, strained[1 - side])
-        worse = np.maximum(strained[side], there)
-        cost = sharing_cost(trip, worse, strain)
-        shared = shared_region(question.part.mesh, cost, other_goes_on(question, trip))
-        nothing = np.empty(0)
-        placements.append(SharedPlacement(together[side], trip, shared, worse, gaps[side], nothing))
+    )
+    placements = side_by_side(
+        partial(_cut_out, *each, accepted=strain)
+        for each in zip(
+            questions, drawn, _trips(questions, together), strained, strained[::-1], strict=True
+        )
+    )
     return (placements[0], placements[1])
+
+
+def _drawn_to_middle(
+    question: Question, own: Deformation, trip: RoundTrip
+) -> tuple[Deformation, Floats]:
+    """Drawn to the middle where both directions mean the same place; and how far apart (n,)."""
+    apart = np.maximum(np.linalg.norm(trip.there - trip.inverse, axis=1), trip.gap)
+    closes = (apart < CLOSES) & ~trip.beyond & (trip.missed < CLOSES / 2)
+    middle = 0.5 * (trip.there + trip.inverse)
+    present = closes.astype(np.float64)
+    drawn = registered_to_positions(question, own, middle, rounds=TOGETHER_ROUNDS, present=present)
+    return drawn, apart
+
+
+def _cut_out(
+    question: Question,
+    drawn: tuple[Deformation, Floats],
+    trip: RoundTrip,
+    own_strain: Floats,
+    other_strain: Floats,
+    *,
+    accepted: float,
+) -> SharedPlacement:
+    """What closes at little strain is shared; its similarities are not known yet."""
+    deformation, apart = drawn
+    # the other surface is strained where this one is as well; either may tell
+    strain = np.maximum(own_strain, trip.points.interpolate(question.full.mesh, other_strain))
+    cost = sharing_cost(trip, strain, accepted)
+    shared = shared_region(question.part.mesh, cost, other_goes_on(question, trip))
+    return SharedPlacement(deformation, trip, shared, strain, apart, np.empty(0))
+
+
+def _strain_around(question: Question, own: Deformation) -> Floats:
+    return _around(question, elastic_strain(question.part, own))
 
 
 def _around(question: Question, strain: Floats) -> Floats:
@@ -227,7 +261,7 @@ def _around(question: Question, strain: Floats) -> Floats:
 
 
 def _trips(questions: Both[Question], laid: Both[Deformation]) -> Both[RoundTrip]:
-    return (
-        round_trip(questions[0], laid[0], laid[1]),
-        round_trip(questions[1], laid[1], laid[0]),
+    there, back = side_by_side(
+        partial(round_trip, *each) for each in zip(questions, laid, laid[::-1], strict=True)
     )
+    return there, back
