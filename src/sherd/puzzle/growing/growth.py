@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import cache
 
 import numpy as np
 
@@ -200,24 +201,37 @@ def _elsewhere(
     lies elsewhere, is decided for both together. To lie nowhere else surely is no evidence.
     """
     found: list[Join] = []
+
+    @cache  # each pair is met from both sides
+    def beside(here: Union, union: Union, other: Join) -> Join:
+        return Join(here, union, meet(here, union, NOTHING, taken_by(other, here)))
+
     for join in sorted(sure, key=_chance, reverse=True):
+        if join not in growth.sure:
+            continue  # it lost its place
         rivals = _rivals(join, others, growth)
+        moved = []
         for rival in rivals:
-            here = join.first
-            own = meet(here, join.second, NOTHING, taken_by(rival, here)).chance
-            its = meet(here, rival.second, NOTHING, taken_by(join, here)).chance
-            stays, goes = (join.met.chance, its), (rival.met.chance, own)
-            if _odds_of(*stays) < DECIDED * _odds_of(*goes):
+            own = beside(join.first, join.second, rival)
+            its = beside(join.first, rival.second, join)
+            stays, goes = (join, its), (rival, own)
+            if _odds_of(stays) < DECIDED * _odds_of(goes):
                 break
+            moved.append(its)
         else:
-            growth.settled += [(join, rival.second.members) for rival in rivals]
             found.append(join)
+            for rival, its in zip(rivals, moved, strict=True):
+                growth.settled.append((join, rival.second.members))
+                growth.chances[join.first.members, rival.second.members] = its.met.chance
+                growth.sure.remove(rival)
+                growth.sure += [its] if its.met.chance >= SURE else []
     return max(found, key=_chance, default=None)
 
 
-def _odds_of(there: float, elsewhere: float) -> float:
-    """Odds that one of two lies at a place and the other elsewhere, or nowhere."""
-    return there / (1.0 - there) * max(elsewhere / (1.0 - elsewhere), 1.0)
+def _odds_of(joins: tuple[Join, Join]) -> float:
+    """Odds that one of two lies at a place and the other where it was asked then, or nowhere."""
+    there, elsewhere = joins
+    return _odds(there) * max(_odds(elsewhere), 1.0)
 
 
 def _taken(first: Union, second: Union, growth: Growth) -> Bools | None:
