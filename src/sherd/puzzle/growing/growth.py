@@ -137,14 +137,18 @@ def _surest(
             growth.sure.append(join)
             sure.append(join)
             # who is asked later may dispute what was in nobody's place before
-            best = max(_undisputed(sure, others, growth), key=_chance, default=None)
+            best = _best_undisputed(sure, others, growth)
+            if best is None:
+                _close_loops(join, others, meet, growth)
+                best = _best_undisputed(sure, others, growth)
     if best is not None or not sure:
         return best
-    return _decided(sure, others, meet, growth)
+    return _elsewhere(sure, others, meet, growth)
 
 
-def _undisputed(sure: Sequence[Join], others: Sequence[Union], growth: Growth) -> list[Join]:
-    return [join for join in sure if not _rivals(join, others, growth)]
+def _best_undisputed(sure: Sequence[Join], others: Sequence[Union], growth: Growth) -> Join | None:
+    undisputed = [join for join in sure if not _rivals(join, others, growth)]
+    return max(undisputed, key=_chance, default=None)
 
 
 def _rivals(join: Join, others: Sequence[Union], growth: Growth) -> list[Join]:
@@ -160,22 +164,14 @@ def _rivals(join: Join, others: Sequence[Union], growth: Growth) -> list[Join]:
     ]
 
 
-def _decided(
-    sure: Sequence[Join], others: Sequence[Union], meet: Meet, growth: Growth
-) -> Join | None:
-    """The surest of those that dispute each other's places, once more was asked of them.
+def _close_loops(join: Join, others: Sequence[Union], meet: Meet, growth: Growth) -> None:
+    """Note who is laid on the same place because the two overlap there.
 
-    Or two are laid on one place because they overlap there: then they belong to each other, too,
-    and around the three one comes back to where one began.
+    Then they belong to each other, too, and around the three one comes back to where one began.
     """
-    for join in sure:
-        for rival in _rivals(join, others, growth):
-            if _loop_closes(join, rival, meet, growth):
-                growth.together.append({join.second.members, rival.second.members})
-    undisputed = _undisputed(sure, others, growth)
-    if undisputed:
-        return max(undisputed, key=_chance)
-    return _elsewhere(sure, others, meet, growth)
+    for rival in _rivals(join, others, growth):
+        if _loop_closes(join, rival, meet, growth):
+            growth.together.append({join.second.members, rival.second.members})
 
 
 def _loop_closes(one: Join, other: Join, meet: Meet, growth: Growth) -> bool:
