@@ -250,9 +250,18 @@ def _odds(join: Join) -> float:
 
 
 def _asked(first: Union, second: Union, meet: Meet, growth: Growth) -> Join:
-    """The answer of two unions, or that with what was sure before recalled, if that is surer."""
+    """The answer of two unions; if it is not sure, that elsewhere or with what was sure recalled.
+
+    What fits mirrored lies where its twin does, so it is asked where else it lies, and kept from
+    there from then on.
+    """
     taken = _taken(first, second, growth)
     join = Join(first, second, meet(first, second, NOTHING, taken))
+    if join.met.mirrored:
+        growth.settled.append((join, second.members))
+        growth.sure = [each for each in growth.sure if not _repeated(each, join)]
+        taken = _taken(first, second, growth)
+        join = max(join, Join(first, second, meet(first, second, NOTHING, taken)), key=_chance)
     before = next(iter(_sure_before(first, second, growth)), None)
     if before is None or join.met.chance >= SURE:
         return join
@@ -261,6 +270,11 @@ def _asked(first: Union, second: Union, meet: Meet, growth: Growth) -> Join:
         return join
     again = Join(first, second, meet(first, second, known, taken))
     return max(join, again, key=_chance)
+
+
+def _repeated(before: Join, join: Join) -> bool:
+    """Whether the same piece was laid on the same place before."""
+    return before.second.members == join.second.members and crowding(before, join) > CROWD
 
 
 def _promise(here: Union, other: Union, growth: Growth) -> float:

@@ -20,7 +20,7 @@ from sherd.correspondence.shared.judgment import MIRROR_CHANCE
 from sherd.correspondence.shared.two_way_placement import SharedPlacement
 from sherd.surface.transformed import mirrored, sampled_within
 
-__all__ = ["join_chance", "join_features"]
+__all__ = ["fits_mirrored", "join_chance", "join_features"]
 
 # A rim that is farther from the borders of both pieces than a spacing of labels ends inside both.
 INSIDE = 0.03
@@ -50,8 +50,13 @@ def join_chance(features: Floats) -> float:
     At most MIRROR_CHANCE where the mirror image clearly fits better.
     """
     raw = 1.0 / (1.0 + np.exp(-features @ np.array(COEFFICIENTS)))
-    most = MIRROR_CHANCE if features[HANDEDNESS] < -TURNED else MOST
+    most = MIRROR_CHANCE if fits_mirrored(features) else MOST
     return float(np.clip(raw, LEAST, most))
+
+
+def fits_mirrored(features: Floats) -> bool:
+    """Whether the mirror image clearly fits better."""
+    return bool(features[HANDEDNESS] < -TURNED)
 
 
 def join_features(
