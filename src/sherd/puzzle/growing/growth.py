@@ -35,8 +35,9 @@ ENOUGH = 0.9
 CROWD, DECIDED = 0.5, 3.0
 
 # Around three that overlap in one place one comes back on average within what counts as a right
-# answer, of the longest of the three.
-LOOP = 0.06
+# answer, in units of the largest of the three. Then it is enough that the third answer is more
+# likely right than not: a wrong one would have to be wrong in the same way as the other two.
+LOOP, LIKELY = 0.06, 0.5
 
 # The larger union, the other one, pairs (p, 2) of vertices that lie on each other, and the vertices
 # (n,) of the larger one where the other does not lie, if there are any.
@@ -175,7 +176,7 @@ def _close_loops(join: Join, others: Sequence[Union], meet: Meet, growth: Growth
 
 
 def _loop_closes(one: Join, other: Join, meet: Meet, growth: Growth) -> bool:
-    """Whether two that lie on a third also lie on each other, surely and in the same places."""
+    """Whether two that lie on a third also lie on each other, likely and in the same places."""
     first, second = sorted((one.second, other.second), key=lambda union: -union.mesh.area)
     key = (first.members, second.members)
     if key not in growth.chances:
@@ -183,7 +184,7 @@ def _loop_closes(one: Join, other: Join, meet: Meet, growth: Growth) -> bool:
         growth.chances[key] = join.met.chance
         growth.aside[key] = join
     aside = growth.aside.get(key)
-    if aside is None or aside.met.chance < SURE:
+    if aside is None or aside.met.chance < LIKELY:
         return False
     return open_loop([one, other, aside]) < LOOP
 
