@@ -74,7 +74,7 @@ def join(
     -----
     A group grows from its largest piece: all others are asked, the surest is joined, and the union
     of both, in the pose of the larger, is asked again. The others are those that a few nodes of
-    each pair rank first, at a tenth of the cost of a question. Seven pieces take about fifteen
+    each pair rank first, at a tenth of the cost of a question. Seven pieces take about twenty
     questions. Pieces that share a tenth or less are mostly not found to belong together.
 
     Examples
