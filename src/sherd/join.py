@@ -3,21 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import partial
+from functools import lru_cache, partial
 from itertools import combinations, product
 from types import MappingProxyType
 from typing import Unpack
 
 import numpy as np
 
-from sherd.arrays import Ints
+from sherd.arrays import Bools, Ints
 from sherd.correspondence.shared.hints import kept_shape
 from sherd.errors import InputError
 from sherd.output import Stages
 from sherd.overlap import check_overlap_sizes
 from sherd.puzzle.growing.growth import Growth, grown
 from sherd.puzzle.growing.joined_maps import direct_maps
-from sherd.puzzle.growing.meeting import Meeting, meeting
+from sherd.puzzle.growing.meeting import Describe, Meeting, meeting
 from sherd.puzzle.growing.union import Union
 from sherd.puzzle.pairs import pair_evidence
 from sherd.puzzle.synchronization import PieceMap, cycle_error, synchronized
@@ -74,7 +74,7 @@ def join(
     -----
     A group grows from its largest piece: all others are asked, the surest is joined, and the union
     of both, in the pose of the larger, is asked again. The others are those that a few nodes of
-    each pair rank first, at a tenth of the cost of a question. Seven pieces take about fifteen
+    each pair rank first, at a tenth of the cost of a question. Seven pieces take about twenty
     questions. Pieces that share a tenth or less are mostly not found to belong together.
 
     Examples
@@ -99,12 +99,13 @@ def join(
     for shape in shapes:
         check_overlap_sizes((largest, shape), 1.0)
     unit = largest.mesh.length
+    # the largest piece asks first, in the same unit, and a union that asks all others is one more
+    describe = lru_cache(maxsize=len(shapes) + 1)(described_part)
     with stages("evidence"):
-        surfaces = [described_part(shape.mesh, unit) for shape in shapes]
-        evidence = pair_evidence(surfaces, options.seed)
+        evidence = pair_evidence([describe(shape.mesh, unit) for shape in shapes], options.seed)
     with stages("growth"):
         alone = [Union.of_piece(shape.mesh, number) for number, shape in enumerate(shapes)]
-        growth = grown(alone, evidence, partial(_met, options.seed))
+        growth = grown(alone, evidence, partial(_met, options.seed, describe))
     originals = [intake.original for intake in intakes]
     with stages("synchronization"):
         direct = direct_maps(originals, growth.joins)
@@ -142,8 +143,10 @@ def join(
     )
 
 
-def _met(seed: int, first: Union, second: Union, known: Ints) -> Meeting:
-    return meeting(first.mesh, second.mesh, seed, known)
+def _met(
+    seed: int, describe: Describe, first: Union, second: Union, known: Ints, taken: Bools | None
+) -> Meeting:
+    return meeting(first.mesh, second.mesh, seed, known, taken, describe)
 
 
 def _chances(growth: Growth) -> dict[tuple[int, int], float]:

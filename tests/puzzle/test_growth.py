@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sherd.arrays import Ints
+from sherd.arrays import Bools, Ints
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.puzzle.growing import growth
 from sherd.puzzle.growing.growth import grown
@@ -23,8 +23,8 @@ def pieces(count: int) -> list[Union]:
     return [Union.of_piece(TriangleMesh(SQUARE * (2 - 0.1 * k), FACES), k) for k in range(count)]
 
 
-def answer(chance: float) -> Any:
-    return SimpleNamespace(chance=chance)
+def answer(chance: float, *, mirrored: bool = False) -> Any:
+    return SimpleNamespace(chance=chance, mirrored=mirrored)
 
 
 @pytest.fixture(autouse=True)
@@ -35,13 +35,15 @@ def _joined_without_geometry(monkeypatch: pytest.MonkeyPatch) -> None:
 
     monkeypatch.setattr(growth, "united", stand_in)
     monkeypatch.setattr(growth, "crowding", lambda one, other: 0.0)
+    monkeypatch.setattr(growth, "open_loop", lambda joins: np.inf)
+    monkeypatch.setattr(growth, "taken_by", lambda join, union: np.array([True]))
     monkeypatch.setattr(growth, "recalled", lambda join, first, second: np.array([[7, 7]]))
 
 
 def test_a_chain_is_joined_and_what_is_foreign_stays_alone() -> None:
     asked = []
 
-    def meet(first: Union, second: Union, known: Ints) -> Any:
+    def meet(first: Union, second: Union, known: Ints, taken: Bools | None) -> Any:
         asked.append((first.members, second.members))
         near = any(abs(i - j) == 1 for i in first.members for j in second.members)
         return answer(0.9 if near and 4 not in second.members else 0.1)
@@ -54,7 +56,7 @@ def test_a_chain_is_joined_and_what_is_foreign_stays_alone() -> None:
 
 
 def test_a_twin_that_a_small_union_would_take_is_asked_again_first() -> None:
-    def meet(first: Union, second: Union, known: Ints) -> Any:
+    def meet(first: Union, second: Union, known: Ints, taken: Bools | None) -> Any:
         # alone 0 takes 2 for its own, but less surely than 1; with 1 it no longer does
         chance = {1: 0.95, 2: 0.9 if first.members == (0,) else 0.1}[second.members[0]]
         return answer(chance)
@@ -66,7 +68,7 @@ def test_a_twin_that_a_small_union_would_take_is_asked_again_first() -> None:
 def test_of_many_others_only_those_with_most_evidence_are_asked() -> None:
     asked = []
 
-    def meet(first: Union, second: Union, known: Ints) -> Any:
+    def meet(first: Union, second: Union, known: Ints, taken: Bools | None) -> Any:
         asked.append((first.members[0], second.members[0]))
         return answer(0.0)
 
@@ -77,7 +79,7 @@ def test_of_many_others_only_those_with_most_evidence_are_asked() -> None:
 
 
 def test_groups_that_both_grew_are_joined_at_last() -> None:
-    def meet(first: Union, second: Union, known: Ints) -> Any:
+    def meet(first: Union, second: Union, known: Ints, taken: Bools | None) -> Any:
         members = {*first.members, *second.members}
         sure = members in ({0, 1}, {2, 3}, {0, 1, 2, 3})
         return answer(0.9 if sure else 0.0)
@@ -87,7 +89,7 @@ def test_groups_that_both_grew_are_joined_at_last() -> None:
 
 
 def test_what_was_sure_before_is_recalled_where_a_twin_draws_it_away() -> None:
-    def meet(first: Union, second: Union, known: Ints) -> Any:
+    def meet(first: Union, second: Union, known: Ints, taken: Bools | None) -> Any:
         if second.members == (1,):
             return answer(0.95)
         sure = first.members == (0,) or len(known) == 1
@@ -101,7 +103,7 @@ def test_of_two_in_one_place_neither_is_joined_unless_one_is_far_surer(monkeypat
     monkeypatch.setattr(growth, "crowding", lambda one, other: 0.9)
 
     def meet(surer: float) -> Any:
-        def asked(first: Union, second: Union, known: Ints) -> Any:
+        def asked(first: Union, second: Union, known: Ints, taken: Bools | None) -> Any:
             alone = first.members == (0,)
             return answer({1: surer, 2: 0.8}[second.members[0]] if alone else 0.1)
 
@@ -111,3 +113,53 @@ def test_of_two_in_one_place_neither_is_joined_unless_one_is_far_surer(monkeypat
     assert sorted(map(sorted, close.groups)) == [[0], [1], [2]]
     clear = grown(pieces(3), np.ones((3, 3)), meet(0.97))
     assert sorted(map(sorted, clear.groups)) == [[0, 1], [2]]
+
+
+def test_a_twin_in_the_place_of_another_is_asked_elsewhere_and_both_are_joined(monkeypatch) -> None:
+    monkeypatch.setattr(growth, "crowding", lambda one, other: 0.9)
+    asked = []
+
+    def meet(first: Union, second: Union, known: Ints, taken: Bools | None) -> Any:
+        asked.append((first.members, second.members, taken is not None))
+        # 1 lies where 2 belongs, and elsewhere as surely; 2 lies nowhere else
+        here, elsewhere = {1: (0.9, 0.9), 2: (0.8, 0.05)}[second.members[0]]
+        return answer(here if taken is None else elsewhere)
+
+    found = grown(pieces(3), np.ones((3, 3)), meet)
+    assert [join.second.members for join in found.joins] == [(2,), (1,)]
+    assert [join.met.chance for join in found.joins] == [0.8, 0.9]
+    assert asked[-1] == ((0, 2), (1,), True)
+
+
+def test_two_that_overlap_in_one_place_are_both_joined_where_the_loop_closes(monkeypatch) -> None:
+    monkeypatch.setattr(growth, "crowding", lambda one, other: 0.9)
+    monkeypatch.setattr(growth, "open_loop", lambda joins: 0.01 if len(joins) == 3 else np.inf)
+    taken_before = []
+
+    def meet(first: Union, second: Union, known: Ints, taken: Bools | None) -> Any:
+        taken_before.append(taken is not None)
+        return answer({1: 0.8, 2: 0.75}[second.members[0]])
+
+    found = grown(pieces(3), np.ones((3, 3)), meet)
+    assert sorted(map(sorted, found.groups)) == [[0, 1, 2]]
+    assert not any(taken_before)
+
+
+def test_what_fits_mirrored_is_asked_elsewhere_and_never_there_again() -> None:
+    asked = []
+
+    def meet(first: Union, second: Union, known: Ints, taken: Bools | None) -> Any:
+        asked.append((first.members, second.members, taken is not None))
+        if second.members == (1,):
+            return answer(0.95)
+        # on its twin, elsewhere in doubt, and sure once the other piece is there
+        return answer(0.7 if len(first.members) == 2 else 0.5) if taken is not None else mirror
+
+    mirror = answer(0.15, mirrored=True)
+    found = grown(pieces(3), np.ones((3, 3)), meet)
+    assert sorted(map(sorted, found.groups)) == [[0, 1, 2]]
+    assert [each for each in asked if each[1] == (2,)] == [
+        ((0,), (2,), False),
+        ((0,), (2,), True),
+        ((0, 1), (2,), True),
+    ]

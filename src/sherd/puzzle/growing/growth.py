@@ -10,12 +10,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import cache
 
 import numpy as np
 
-from sherd.arrays import Floats, Ints
+from sherd.arrays import Bools, Floats, Ints
+from sherd.puzzle.growing.joined_maps import open_loop
 from sherd.puzzle.growing.meeting import Meeting
-from sherd.puzzle.growing.union import Join, Union, crowding, recalled, united
+from sherd.puzzle.growing.union import Join, Union, crowding, recalled, taken_by, united
 from sherd.results.advice import SURE
 
 __all__ = ["Growth", "grown"]
@@ -25,12 +27,21 @@ __all__ = ["Growth", "grown"]
 PARTNERS = 8
 # Above all chances: who was never asked is asked first.
 UNASKED = 2.0
+# One wrong in ten is as sure as a chance that is fitted can tell: with such an answer nobody who
+# promised more is asked again first.
+ENOUGH = 0.9
 # Of two that are laid on more than half of one place one is wrong, as two arms of a person; neither
-# is joined there unless its odds are three times those of the other.
+# is joined there unless that has three times the odds of the other one there and it elsewhere.
 CROWD, DECIDED = 0.5, 3.0
 
-# The larger union, the other one, and pairs (p, 2) of vertices that lie on each other.
-Meet = Callable[[Union, Union, Ints], Meeting]
+# Around three that overlap in one place one comes back on average within what counts as a right
+# answer, in units of the largest of the three. Then it is enough that the third answer is more
+# likely right than not: a wrong one would have to be wrong in the same way as the other two.
+LOOP, LIKELY = 0.06, 0.5
+
+# The larger union, the other one, pairs (p, 2) of vertices that lie on each other, and the vertices
+# (n,) of the larger one where the other does not lie, if there are any.
+Meet = Callable[[Union, Union, Ints, Bools | None], Meeting]
 NOTHING = np.empty((0, 2), dtype=np.int64)
 
 
@@ -48,12 +59,21 @@ class Growth:
         The members of each union at the end.
     chances
         By the members of both, the larger one first, of what was asked.
+    aside
+        What was asked of two because a third one has both, and of nobody else yet.
+    together
+        The members of two that lie on one place and on each other.
+    settled
+        What has a disputed place, and the members of who does not lie there.
     """
 
     joins: list[Join] = field(default_factory=list)
     sure: list[Join] = field(default_factory=list)
     groups: list[tuple[int, ...]] = field(default_factory=list)
     chances: dict[tuple[tuple[int, ...], tuple[int, ...]], float] = field(default_factory=dict)
+    aside: dict[tuple[tuple[int, ...], tuple[int, ...]], Join] = field(default_factory=dict)
+    together: list[set[tuple[int, ...]]] = field(default_factory=list)
+    settled: list[tuple[Join, tuple[int, ...]]] = field(default_factory=list)
 
 
 def grown(pieces: Sequence[Union], evidence: Floats, meet: Meet) -> Growth:
@@ -92,8 +112,8 @@ def _surest(
 ) -> Join | None:
     """The partner that `here` surely belongs to and is surest of; None if there is none.
 
-    What earlier answers promise most is asked first, and an answer stands if none that is still to
-    be asked again promised more. Who was never asked comes before all.
+    What earlier answers promise most is asked first, and an answer stands if it is sure enough or
+    none that is still to be asked again promised more. Who was never asked comes before all.
     """
     rank = {
         other.members: max(float(evidence[i, j]) for i in here.members for j in other.members)
@@ -104,37 +124,122 @@ def _surest(
     sure: list[Join] = []
     waiting = sorted(partners, key=lambda other: -_promise(here, other, growth))
     for other in waiting:
-        if best is not None and best.met.chance >= _promise(here, other, growth):
+        promise = _promise(here, other, growth)
+        enough = promise if promise == UNASKED else min(promise, ENOUGH)
+        if best is not None and best.met.chance >= enough:
             break
         first, second = sorted((here, other), key=lambda union: -union.mesh.area)
-        if (first.members, second.members) in growth.chances:
+        key = (first.members, second.members)
+        if key in growth.chances and key not in growth.aside:
             continue  # asked as they are, and not joined
-        join = _asked(first, second, meet, growth)
-        growth.chances[first.members, second.members] = join.met.chance
+        join = growth.aside.pop(key, None) or _asked(first, second, meet, growth)
+        growth.chances[key] = join.met.chance
         if join.met.chance >= SURE:
             growth.sure.append(join)
             sure.append(join)
             # who is asked later may dispute what was in nobody's place before
-            undisputed = [each for each in sure if not _disputed(each, others, growth)]
-            best = max(undisputed, key=_chance, default=None)
-    return best
+            best = _best_undisputed(sure, others, growth)
+            if best is None:
+                _close_loops(join, others, meet, growth)
+                best = _best_undisputed(sure, others, growth)
+    if best is not None or not sure:
+        return best
+    return _elsewhere(sure, others, meet, growth)
 
 
-def _disputed(join: Join, others: Sequence[Union], growth: Growth) -> bool:
-    """Whether another piece is laid on the same place about as surely, so one of both is wrong.
+def _best_undisputed(sure: Sequence[Join], others: Sequence[Union], growth: Growth) -> Join | None:
+    undisputed = [join for join in sure if not _rivals(join, others, growth)]
+    return max(undisputed, key=_chance, default=None)
 
-    Or both are right and overlap; then one of them is joined by way of something else.
-    """
-    rivals = [
-        other
+
+def _rivals(join: Join, others: Sequence[Union], growth: Growth) -> list[Join]:
+    """What is laid on the same place about as surely, and is not known to belong there as well."""
+    return [
+        before
         for other in others
         if other.members != join.second.members and _promise(join.first, other, growth) >= SURE
+        for before in _sure_before(join.first, other, growth)
+        if _odds(join) < DECIDED * _odds(before)
+        and crowding(join, before) > CROWD
+        and {join.second.members, other.members} not in growth.together
     ]
-    for rival in rivals:
-        for before in _sure_before(join.first, rival, growth):
-            if _odds(join) < DECIDED * _odds(before) and crowding(join, before) > CROWD:
-                return True
-    return False
+
+
+def _close_loops(join: Join, others: Sequence[Union], meet: Meet, growth: Growth) -> None:
+    """Note who is laid on the same place because the two overlap there.
+
+    Then they belong to each other, too, and around the three one comes back to where one began.
+    """
+    for rival in _rivals(join, others, growth):
+        if _loop_closes(join, rival, meet, growth):
+            growth.together.append({join.second.members, rival.second.members})
+
+
+def _loop_closes(one: Join, other: Join, meet: Meet, growth: Growth) -> bool:
+    """Whether two that lie on a third also lie on each other, likely and in the same places."""
+    first, second = sorted((one.second, other.second), key=lambda union: -union.mesh.area)
+    key = (first.members, second.members)
+    if key not in growth.chances:
+        join = _asked(first, second, meet, growth)
+        growth.chances[key] = join.met.chance
+        growth.aside[key] = join
+    aside = growth.aside.get(key)
+    if aside is None or aside.met.chance < LIKELY:
+        return False
+    return open_loop([one, other, aside]) < LOOP
+
+
+def _elsewhere(
+    sure: Sequence[Join], others: Sequence[Union], meet: Meet, growth: Growth
+) -> Join | None:
+    """The surest of those that dispute each other's places, once each was asked where else it lies.
+
+    A left arm on the place of the right one, which lies there as well: who has the place, and who
+    lies elsewhere, is decided for both together. To lie nowhere else surely is no evidence.
+    """
+    found: list[Join] = []
+
+    @cache  # each pair is met from both sides
+    def beside(here: Union, union: Union, other: Join) -> Join:
+        return Join(here, union, meet(here, union, NOTHING, taken_by(other, here)))
+
+    for join in sorted(sure, key=_chance, reverse=True):
+        if join not in growth.sure:
+            continue  # it lost its place
+        rivals = _rivals(join, others, growth)
+        moved = []
+        for rival in rivals:
+            own = beside(join.first, join.second, rival)
+            its = beside(join.first, rival.second, join)
+            stays, goes = (join, its), (rival, own)
+            if _odds_of(stays) < DECIDED * _odds_of(goes):
+                break
+            moved.append(its)
+        else:
+            found.append(join)
+            for rival, its in zip(rivals, moved, strict=True):
+                growth.settled.append((join, rival.second.members))
+                growth.chances[join.first.members, rival.second.members] = its.met.chance
+                growth.sure.remove(rival)
+                growth.sure += [its] if its.met.chance >= SURE else []
+    return max(found, key=_chance, default=None)
+
+
+def _odds_of(joins: tuple[Join, Join]) -> float:
+    """Odds that one of two lies at a place and the other where it was asked then, or nowhere."""
+    there, elsewhere = joins
+    return _odds(there) * max(_odds(elsewhere), 1.0)
+
+
+def _taken(first: Union, second: Union, growth: Growth) -> Bools | None:
+    """The vertices (n,) of the first union that were settled to be others' places, if any."""
+    taken = None
+    for join, loser in growth.settled:
+        inside = set(join.first.members) <= set(first.members)
+        if inside and set(loser) <= set(second.members):
+            place = taken_by(join, first)
+            taken = place if taken is None else taken | place
+    return taken
 
 
 def _chance(join: Join) -> float:
@@ -146,16 +251,31 @@ def _odds(join: Join) -> float:
 
 
 def _asked(first: Union, second: Union, meet: Meet, growth: Growth) -> Join:
-    """The answer of two unions, or that with what was sure before recalled, if that is surer."""
-    join = Join(first, second, meet(first, second, NOTHING))
+    """The answer of two unions; if it is not sure, that elsewhere or with what was sure recalled.
+
+    What fits mirrored lies where its twin does, so it is asked where else it lies, and kept from
+    there from then on.
+    """
+    taken = _taken(first, second, growth)
+    join = Join(first, second, meet(first, second, NOTHING, taken))
+    if join.met.mirrored:
+        growth.settled.append((join, second.members))
+        growth.sure = [each for each in growth.sure if not _repeated(each, join)]
+        taken = _taken(first, second, growth)
+        join = max(join, Join(first, second, meet(first, second, NOTHING, taken)), key=_chance)
     before = next(iter(_sure_before(first, second, growth)), None)
     if before is None or join.met.chance >= SURE:
         return join
     known = recalled(before, first, second)
     if not len(known):
         return join
-    again = Join(first, second, meet(first, second, known))
+    again = Join(first, second, meet(first, second, known, taken))
     return max(join, again, key=_chance)
+
+
+def _repeated(before: Join, join: Join) -> bool:
+    """Whether the same piece was laid on the same place before."""
+    return before.second.members == join.second.members and crowding(before, join) > CROWD
 
 
 def _promise(here: Union, other: Union, growth: Growth) -> float:

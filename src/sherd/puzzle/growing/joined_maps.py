@@ -9,13 +9,14 @@ import numpy as np
 from sherd.arrays import Bools, Floats, Ints
 from sherd.correspondence.registration import surface_points
 from sherd.correspondence.shared.judgment import shared_confidence
+from sherd.correspondence.shared.two_way_placement import CLOSED
 from sherd.mesh.surface_points import closest_points
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.overlap import HALF
 from sherd.puzzle.growing.union import Join, Union
-from sherd.puzzle.synchronization import TORN, PieceMap
+from sherd.puzzle.synchronization import TORN, PieceMap, cycle_error
 
-__all__ = ["direct_maps"]
+__all__ = ["direct_maps", "open_loop"]
 
 
 def direct_maps(
@@ -36,16 +37,43 @@ def direct_maps(
     return found
 
 
+def open_loop(joins: Sequence[Join]) -> float:
+    """How far off one comes back around three unions, each of which was joined to both others.
+
+    Mean over the vertices of all pieces that come back, in sqrt(area) of the largest union;
+    infinite if none does.
+    """
+    unions = {id(union): union for join in joins for union in (join.first, join.second)}
+    largest = max(unions.values(), key=lambda union: union.mesh.area)
+    pieces = {
+        member: _piece_of(union, member) for union in unions.values() for member in union.members
+    }
+    meshes = [pieces.get(k, largest.mesh) for k in range(max(pieces) + 1)]
+    error = cycle_error(meshes, direct_maps(meshes, joins), largest.mesh.length)
+    return float("inf") if np.isnan(error) else error
+
+
+def _piece_of(union: Union, piece: int) -> TriangleMesh:
+    """What a union has of a piece, as it lies on the piece itself."""
+    faces = union.faces_of(piece)
+    if not len(faces):
+        return union.mesh  # no map leads there
+    used, renamed = np.unique(faces, return_inverse=True)
+    return TriangleMesh(union.places[used], renamed.reshape(-1, 3))
+
+
 def _image(join: Join, side: int, full: Union) -> tuple[Ints, Floats, Floats]:
     """Of each vertex of a union the piece (n,) it lies on, its place (n, 3) there, and the trust.
 
-    The piece is -1 where nothing is shared.
+    The piece is -1 where nothing is shared, or there and back do not meet.
     """
     question, place = join.met.questions[side], join.met.placements[side]
     at_own = question.part.working.at_own_vertices
     points = surface_points(question, question.full.own_finder, place.deformation)
     trust = at_own(shared_confidence(question.part.mesh, join.met.queries[side], place))
-    known = at_own(place.shared.astype(np.float64)) >= HALF
+    # along a cut the region takes in what does not come back, whose point is anywhere near
+    meets = place.shared & (place.trip.gap <= CLOSED)
+    known = at_own(meets.astype(np.float64)) >= HALF
     corners = full.mesh.faces[points.faces]
     owners = full.owner[corners]
     alike = (owners == owners[:, :1]).all(axis=1)

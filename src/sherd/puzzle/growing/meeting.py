@@ -6,15 +6,17 @@ cut from one whole, what they share ends where one of both does.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from sherd.arrays import Ints
+from sherd.arrays import Bools, Ints
 from sherd.correspondence.labels.two_way import Both
 from sherd.correspondence.question import NO_PINS, Question
 from sherd.correspondence.shared.two_way_placement import SharedPlacement, placed_together
 from sherd.correspondence.working_placement import Queries
+from sherd.mesh.surface_points import closest_points
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.overlap import (
     STRETCH,
@@ -23,13 +25,16 @@ from sherd.overlap import (
     queries_both_ways,
     questions_of,
 )
-from sherd.puzzle.growing.join_chance import join_chance, join_features
+from sherd.puzzle.growing.join_chance import fits_mirrored, join_chance, join_features
 from sherd.results.overlap_options import OverlapOptions
+from sherd.surface.described import DescribedSurface
 from sherd.surface.prepared import described_part
+from sherd.surface.transformed import sampled_within
 from sherd.threads import one_blas_thread
 
-__all__ = ["Meeting", "meeting"]
+__all__ = ["Describe", "Meeting", "meeting"]
 
+Describe = Callable[[TriangleMesh, float], DescribedSurface]
 NOTHING_KNOWN = np.empty((0, 2), dtype=np.int64)
 
 
@@ -45,17 +50,25 @@ class Meeting:
         Of both.
     chance
         That what they share is found rightly, and they belong together.
+    mirrored
+        Whether what they share clearly fits better mirrored, as a left leg on a right one.
     """
 
     questions: Both[Question]
     queries: Both[Queries]
     placements: Both[SharedPlacement]
     chance: float
+    mirrored: bool
 
 
 @one_blas_thread()
 def meeting(
-    first: TriangleMesh, second: TriangleMesh, seed: int, known: Ints = NOTHING_KNOWN
+    first: TriangleMesh,
+    second: TriangleMesh,
+    seed: int,
+    known: Ints = NOTHING_KNOWN,
+    taken: Bools | None = None,
+    describe: Describe = described_part,
 ) -> Meeting:
     """Ask what two surfaces share, in units of sqrt(area) of the larger one.
 
@@ -68,19 +81,42 @@ def meeting(
     known
         (p, 2) vertices of the first and the second that lie on each other. They rule labels out;
         places are found without them.
+    taken
+        (n,) vertices of the first where nothing of the second may be laid; none if None.
+    describe
+        Describes a surface where nothing is known; it may recall one.
     """
     unit = max(first.length, second.length)
-    surfaces = (
-        described_part(first, unit, sampled_at=known[:, 0]),
-        described_part(second, unit, sampled_at=known[:, 1]),
-    )
+    if len(known):
+        surfaces = (
+            described_part(first, unit, sampled_at=known[:, 0]),
+            described_part(second, unit, sampled_at=known[:, 1]),
+        )
+    else:
+        surfaces = (describe(first, unit), describe(second, unit))
     for surface in surfaces:
         prepare_both_ways(surface)
+    free = None if taken is None else _free(surfaces[0], first, taken)
+    if free is not None and free[surfaces[0].sparse.vertices].any():
+        surfaces = (sampled_within(surfaces[0], free), surfaces[1])
     there, back = questions_of(surfaces, known, unknown=False)
-    questions = (there.with_stretch(STRETCH), back.with_stretch(STRETCH))
+    questions = (
+        replace(there.with_stretch(STRETCH), free=free),
+        back.with_stretch(STRETCH),
+    )
     labelings = labeled_both_ways(questions, seed)
-    questions = (replace(questions[0], pins=NO_PINS), replace(questions[1], pins=NO_PINS))
+    questions = (
+        replace(questions[0], pins=NO_PINS, free=None),
+        replace(questions[1], pins=NO_PINS),
+    )
     queries = queries_both_ways(questions, seed)
     placements = placed_together(questions, labelings, queries, strain=OverlapOptions().strain)
     features = join_features(labelings, questions, placements, seed)
-    return Meeting(questions, queries, placements, join_chance(features))
+    return Meeting(questions, queries, placements, join_chance(features), fits_mirrored(features))
+
+
+def _free(surface: DescribedSurface, mesh: TriangleMesh, taken: Bools) -> Bools:
+    """Vertices (m,) of the working mesh that do not lie where a surface's own are taken."""
+    at = closest_points(surface.placed, surface.mesh.vertices)
+    free: Bools = ~taken[at.nearest_vertices(mesh)]
+    return free

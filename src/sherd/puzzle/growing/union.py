@@ -28,7 +28,7 @@ from sherd.scan.intake import scan_intake
 from sherd.scan.surface_from_points import surface_from_points
 from sherd.surface.described import DescribedSurface
 
-__all__ = ["Join", "Union", "crowding", "recalled", "united"]
+__all__ = ["Join", "Union", "crowding", "recalled", "taken_by", "united"]
 
 # In edges of the first piece. What lies over its inside, and no farther off, is a second layer of
 # the same skin: farther off it is something that only comes near.
@@ -155,6 +155,19 @@ def crowding(one: Join, other: Join) -> float:
         near = tree.query(places[owners == piece], distance_upper_bound=reach)[0]
         common += int(np.isfinite(near).sum())
     return common / max(min(len(owners), len(others)), 1)
+
+
+def taken_by(join: Join, union: Union) -> Bools:
+    """The vertices (n,) of a union where the second of a join lies; the join's first is in it."""
+    owners, places = _taken(join)
+    reach = LAYER * union.mesh.mean_edge_length
+    taken = np.zeros(union.mesh.vertex_count, dtype=bool)
+    for piece in np.intersect1d(owners, union.owner):
+        rows = np.flatnonzero(union.owner == piece)
+        tree = cKDTree(places[owners == piece])
+        near = tree.query(union.places[rows], distance_upper_bound=reach)[0]
+        taken[rows] = np.isfinite(near)
+    return taken
 
 
 def _taken(join: Join) -> tuple[Ints, Floats]:
