@@ -25,6 +25,7 @@ from sherd.shapes.fragment import cut_by_ball, whole
 from sherd.surface.template import Template
 from sherd.threads import (
     begun,
+    cached_property,
     one_blas_thread,
     over_rows,
     set_thread_count,
@@ -200,3 +201,34 @@ def test_sums_do_not_depend_on_the_number_of_threads(monkeypatch, module, inside
     # on a machine of one core it is asked as well
     with threadpool_limits(2), pytest.raises(InfeasibleError, match=r"threads of BLAS: \{1\}"):
         asked(full, part)
+
+
+class Slow:
+    """Its value is there when that of another one is asked for as well."""
+
+    def __init__(self, together: threading.Barrier) -> None:
+        self.together = together
+        self.asked = 0
+
+    @cached_property
+    def value(self) -> object:
+        self.together.wait(timeout=10)
+        self.asked += 1
+        return object()
+
+
+def test_properties_of_two_objects_are_computed_at_once() -> None:
+    together = threading.Barrier(2)
+    objects = [Slow(together), Slow(together)]
+    with ThreadPoolExecutor(2) as pool:
+        values = list(pool.map(lambda each: each.value, objects))
+    assert [each.value for each in objects] == values
+    assert [each.asked for each in objects] == [1, 1]
+
+
+def test_threads_that_ask_one_object_get_one_value() -> None:
+    slow = Slow(threading.Barrier(2))
+    with ThreadPoolExecutor(2) as pool:
+        first, second = pool.map(lambda _: slow.value, range(2))
+    assert first is second
+    assert slow.value is first

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import functools
 import os
-import sys
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
@@ -29,29 +28,25 @@ SLICES_PER_THREAD = 4
 _limit: list[int] = []
 
 
-if sys.version_info >= (3, 12):
-    cached_property = functools.cached_property
-else:
+class cached_property(functools.cached_property[Result]):  # noqa: N801 - stands for another
+    """Without the lock that all instances share in Python 3.11.
 
-    class cached_property(functools.cached_property[Result]):  # noqa: N801 - stands for another
-        """Without the lock of all instances, as since Python 3.12.
+    With it two shapes that are described side by side wait for each other. Threads that ask one
+    object at the same time may compute its value twice; all of them get the first.
+    """
 
-        With it two shapes that are described side by side wait for each other. Threads that ask
-        one object at the same time may compute its value twice; all of them get the first.
-        """
-
-        @overload
-        def __get__(self, instance: None, owner: Any = None) -> cached_property[Result]: ...
-        @overload
-        def __get__(self, instance: object, owner: Any = None) -> Result: ...
-        def __get__(
-            self, instance: object | None, owner: Any = None
-        ) -> cached_property[Result] | Result:
-            if instance is None:
-                return self
-            value = self.func(instance)
-            first: Result = instance.__dict__.setdefault(str(self.attrname), value)
-            return first
+    @overload
+    def __get__(self, instance: None, owner: Any = None) -> cached_property[Result]: ...
+    @overload
+    def __get__(self, instance: object, owner: Any = None) -> Result: ...
+    def __get__(
+        self, instance: object | None, owner: Any = None
+    ) -> cached_property[Result] | Result:
+        if instance is None:
+            return self
+        value = self.func(instance)
+        first: Result = instance.__dict__.setdefault(str(self.attrname), value)
+        return first
 
 
 def thread_count() -> int:

@@ -7,7 +7,8 @@ import pytest
 
 from sherd.energy.cleanup import raised_to_area
 from sherd.mesh.triangle_mesh import TriangleMesh
-from sherd.region.coverage import covered_region
+from sherd.region import coverage
+from sherd.region.coverage import covered_region, smoothed
 from sherd.shapes.creature import creature
 
 
@@ -34,6 +35,23 @@ def test_front_with_a_hole(animal) -> None:
     assert mask[hole].mean() < 0.1
     wrong = animal.vertex_areas @ (mask ^ covered)
     assert wrong < 0.03 * area
+
+
+def test_away_from_its_border_a_region_is_not_solved(animal, monkeypatch) -> None:
+    """Nothing is lost by it."""
+    x = animal.vertices[:, 0]
+    covered = x > np.median(x)
+    near = smoothed(animal, covered)
+    monkeypatch.setattr(coverage, "BAND", 1e6)
+    everywhere = smoothed(animal, covered)
+    np.testing.assert_allclose(near, everywhere, atol=1e-5)
+    assert 0.1 < ((near > 0.01) & (near < 0.99)).sum() / (near != covered).sum() < 1.0
+
+
+@pytest.mark.parametrize("all_of_it", [False, True])
+def test_a_region_without_border_stays_what_it_is(animal, all_of_it: bool) -> None:
+    covered = np.full(animal.vertex_count, all_of_it)
+    np.testing.assert_array_equal(smoothed(animal, covered), covered)
 
 
 def test_power_meets_the_area() -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import copy
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -12,9 +14,10 @@ from sherd.match import match
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.results.match_options import MatchOptions
 from sherd.scan.intake import mesh_intake
+from sherd.shapes.fragment import cut_by_ball, whole
 from sherd.surface import described
 from sherd.surface.prepared import as_template
-from sherd.surface.template import Template
+from sherd.surface.template import ArrivingTemplate, Content, Template, file_content
 from sherd.surface.working import LONGEST_EDGE
 
 
@@ -103,6 +106,43 @@ def test_a_template_of_another_mesh_is_refused(egg: TriangleMesh, stored: Path) 
     turned = TriangleMesh(egg.vertices, egg.faces[::-1], name="turned")
     with pytest.raises(InputError, match="was made for another mesh than turned"):
         Template.load(stored, full=mesh_intake(turned))
+
+
+def test_an_arriving_template_is_what_is_loaded(
+    egg: TriangleMesh, template: Template, stored: Path
+) -> None:
+    arriving = ArrivingTemplate(partial(file_content, stored), stored, mesh_intake(egg))
+    assert arriving.prepared
+    assert arriving.length == template.length
+    np.testing.assert_array_equal(arriving.spectra, template.spectra)
+    again = copy.deepcopy(arriving)
+    np.testing.assert_array_equal(again.dense.distances, template.dense.distances)
+
+
+def test_the_file_of_an_arriving_template_is_not_waited_for(egg: TriangleMesh) -> None:
+    """Until something of it is needed: then what is wrong with it is told."""
+
+    def content() -> Content:
+        raise MeshFileError("cannot be read")
+
+    arriving = ArrivingTemplate(content, Path("egg.npz"), mesh_intake(egg))
+    assert arriving.placed.area == pytest.approx(1.0)
+    arriving_part = cut_by_ball(whole(egg, egg), 0, 0.5).mesh
+    with pytest.raises(MeshFileError, match="cannot be read"):
+        match(arriving, arriving_part)
+
+
+def test_an_arriving_template_of_another_mesh_is_refused(egg: TriangleMesh, stored: Path) -> None:
+    moved = TriangleMesh(egg.vertices + 1e-9, egg.faces, name="moved")
+    arriving = ArrivingTemplate(partial(file_content, stored), stored, mesh_intake(moved))
+    with pytest.raises(InputError, match="was made for another mesh than moved"):
+        arriving.prepare()
+
+
+def test_a_template_is_not_prepared_by_asking(egg: TriangleMesh) -> None:
+    fresh = Template(egg)
+    assert not fresh.prepared
+    assert "_given" not in vars(fresh)
 
 
 def test_a_template_of_a_dirty_mesh_keeps_its_numbering(egg: TriangleMesh, tmp_path: Path) -> None:
