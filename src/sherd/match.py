@@ -140,6 +140,7 @@ def match_result(placed: PlacedPart, stages: Stages) -> MatchResult:
     surface, chance = question.part, placed.chance
     way_back = WayBack(template.intake, part, placed.kept)
     alternatives = begun(lambda: () if twin is None else _alternatives(way_back, best, twin))
+    points = begun(lambda: best.points)
     with stages("confidence"):
         trust = _trust(question, placed.queries, best, placed.other)
     with stages("region"):
@@ -148,7 +149,7 @@ def match_result(placed: PlacedPart, stages: Stages) -> MatchResult:
         full=template.full,
         part=turned_as_repaired(part),
         best=way_back.placement(
-            best.points,
+            points(),
             mask,
             membership,
             score=best.score,
