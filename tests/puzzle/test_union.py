@@ -78,3 +78,16 @@ def test_places_are_recalled_in_the_union(pieces, join) -> None:
     places = union.places[again[:, 0]]
     own = pieces[0].mesh.vertices[pairs[: len(again), 0]]
     assert np.linalg.norm(places - own, axis=1).max() < 0.1 * full.length
+
+
+def test_what_is_known_of_places_that_are_taken_does_not_count(pieces, join) -> None:
+    """Half of what is recalled lies where another piece does by now."""
+    known = recalled(join, join.first, join.second)
+    assert len(known) > 1
+    front = pieces[0].mesh
+    along = front.vertices[known[:, 0]].mean(axis=0)
+    beside = front.vertices - along
+    taken = beside @ (beside[known[0, 0]] - beside[known[-1, 0]]) > 0
+    assert 0 < taken[known[:, 0]].sum() < len(known)
+    again = meeting(front, pieces[1].mesh, 0, known, taken)
+    assert 0 <= again.chance <= 1

@@ -80,7 +80,7 @@ def meeting(
         Of all random choices.
     known
         (p, 2) vertices of the first and the second that lie on each other. They rule labels out;
-        places are found without them.
+        places are found without them. Those on taken places do not count.
     taken
         (n,) vertices of the first where nothing of the second may be laid; none if None.
     describe
@@ -98,6 +98,7 @@ def meeting(
         prepare_both_ways(surface)
     free = None if taken is None else _free(surfaces[0], first, taken)
     if free is not None and free[surfaces[0].sparse.vertices].any():
+        known = known[free[surfaces[0].working.working_vertices(known[:, 0])]]
         surfaces = (sampled_within(surfaces[0], free), surfaces[1])
     there, back = questions_of(surfaces, known, unknown=False)
     questions = (
