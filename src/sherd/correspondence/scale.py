@@ -51,7 +51,8 @@ ROUNDS = 2
 # So many nodes, a tenth of the width of the part apart, tell a factor from one 1.26 times as large;
 # with all nodes, scores differed from theirs by up to 0.04.
 FEW_NODES = 70
-# Of the vertices of the full shape so many in one, beside the labels themselves.
+# One in so many vertices of the full shape is seen, and all labels: three or four for each label of
+# 10,000. The scales of 11 parts that are not taken for another changed by 1.1 percent at most.
 GLANCE_STEP = 4
 # Peaks of the score that are compared with all nodes: up to so many, as far as they are so near.
 FINALISTS, NEAR_PEAK = 3, 0.1

@@ -185,7 +185,7 @@ def split_nonmanifold_edges(vertices: Floats, faces: Ints) -> Change:
     sentence = "separated the sheets at {edge} with more than two faces"
     bad = uses[group] > 2
     if not bad.any():
-        return _without(vertices, faces, np.zeros(len(faces), dtype=bool), sentence)
+        return _unchanged(vertices, faces, sentence)
     crowded = np.zeros(len(vertices), dtype=bool)
     crowded[_starts(faces)[bad]] = True
     crowded[_ends(faces)[bad]] = True
@@ -220,9 +220,7 @@ def orient_faces(vertices: Floats, faces: Ints) -> Change:
 
 def drop_unreferenced_vertices(vertices: Floats, faces: Ints) -> Change:
     """Leave out vertices that belong to no face."""
-    used = np.zeros(len(vertices), dtype=bool)
-    used[faces] = True
-    origin = np.flatnonzero(used)
+    origin = _used(vertices, faces)
     renumber = np.full(len(vertices), -1, dtype=np.int64)
     renumber[origin] = np.arange(len(origin))
     none = np.zeros(len(faces), dtype=bool)
@@ -251,6 +249,17 @@ def _ends(faces: Ints) -> Ints:
     return ends
 
 
+def _used(vertices: Floats, faces: Ints) -> Ints:
+    """The vertices that belong to a face, ascending; faster than sorting corners."""
+    used = np.zeros(len(vertices), dtype=bool)
+    used[faces] = True
+    return np.flatnonzero(used)
+
+
+def _unchanged(vertices: Floats, faces: Ints, sentence: str) -> Change:
+    return _without(vertices, faces, np.zeros(len(faces), dtype=bool), sentence)
+
+
 def _without(vertices: Floats, faces: Ints, bad: Bools, sentence: str) -> Change:
     everything = np.arange(len(vertices))
     kept = faces[~bad] if bad.any() else faces
@@ -260,12 +269,8 @@ def _without(vertices: Floats, faces: Ints, bad: Bools, sentence: str) -> Change
 def _split(vertices: Floats, faces: Ints, pairs: Ints, allowed: Bools, sentence: str) -> Change:
     """Give every fan but the largest at each `allowed` vertex (n,) a vertex of its own."""
     fan = gluing.fans(faces, pairs)
-    everything = np.arange(len(vertices))
-    used = np.zeros(len(vertices), dtype=bool)
-    used[faces] = True
-    if fan.max(initial=-1) + 1 == used.sum():  # one at each vertex
-        untouched = np.zeros(len(faces), dtype=bool)
-        return Change(faces, everything, everything, 0, untouched, sentence)
+    if fan.max(initial=-1) + 1 == len(_used(vertices, faces)):  # one at each vertex
+        return _unchanged(vertices, faces, sentence)
     _, first, sizes = np.unique(fan, return_index=True, return_counts=True)
     place = faces.ravel()[first]
     # at each vertex the fan with most corners keeps the number; of equals, the first
@@ -276,6 +281,7 @@ def _split(vertices: Floats, faces: Ints, pairs: Ints, allowed: Bools, sentence:
     number = place.copy()
     number[extra] = len(vertices) + np.arange(len(extra))
     split = number[fan].reshape(-1, 3)
+    everything = np.arange(len(vertices))
     origin = np.concatenate([everything, place[extra]])
     concerned = (split != faces).any(axis=1)
     return Change(split, origin, everything, len(extra), concerned, sentence)

@@ -12,11 +12,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 
-import numpy as np
-
 from sherd.arrays import Bools, Floats, Ints
 from sherd.puzzle.growing.joined_maps import open_loop
-from sherd.puzzle.growing.meeting import Meeting
+from sherd.puzzle.growing.meeting import NOTHING_KNOWN, Meeting
 from sherd.puzzle.growing.union import Join, Union, crowding, recalled, taken_by, united
 from sherd.results.advice import SURE
 
@@ -42,7 +40,6 @@ LOOP, LIKELY = 0.06, 0.5
 # The larger union, the other one, pairs (p, 2) of vertices that lie on each other, and the vertices
 # (n,) of the larger one where the other does not lie, if there are any.
 Meet = Callable[[Union, Union, Ints, Bools | None], Meeting]
-NOTHING = np.empty((0, 2), dtype=np.int64)
 
 
 @dataclass(eq=False)
@@ -201,7 +198,7 @@ def _elsewhere(
 
     @cache  # each pair is met from both sides
     def beside(here: Union, union: Union, other: Join) -> Join:
-        return Join(here, union, meet(here, union, NOTHING, taken_by(other, here)))
+        return Join(here, union, meet(here, union, NOTHING_KNOWN, taken_by(other, here)))
 
     for join in sorted(sure, key=_chance, reverse=True):
         if join not in growth.sure:
@@ -257,12 +254,14 @@ def _asked(first: Union, second: Union, meet: Meet, growth: Growth) -> Join:
     there from then on.
     """
     taken = _taken(first, second, growth)
-    join = Join(first, second, meet(first, second, NOTHING, taken))
+    join = Join(first, second, meet(first, second, NOTHING_KNOWN, taken))
     if join.met.mirrored:
         growth.settled.append((join, second.members))
         growth.sure = [each for each in growth.sure if not _repeated(each, join)]
         taken = _taken(first, second, growth)
-        join = max(join, Join(first, second, meet(first, second, NOTHING, taken)), key=_chance)
+        join = max(
+            join, Join(first, second, meet(first, second, NOTHING_KNOWN, taken)), key=_chance
+        )
     before = next(iter(_sure_before(first, second, growth)), None)
     if before is None or join.met.chance >= SURE:
         return join

@@ -32,7 +32,7 @@ from sherd.surface.prepared import described_part
 from sherd.surface.transformed import sampled_within
 from sherd.threads import one_blas_thread
 
-__all__ = ["Describe", "Meeting", "meeting"]
+__all__ = ["NOTHING_KNOWN", "Describe", "Meeting", "meeting"]
 
 Describe = Callable[[TriangleMesh, float], DescribedSurface]
 NOTHING_KNOWN = np.empty((0, 2), dtype=np.int64)
