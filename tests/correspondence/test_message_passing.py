@@ -67,7 +67,7 @@ def test_pair_costs_follow_the_formula() -> None:
         labels,
         rotations,
         pairs,
-        FullGeometry(distances, headings),
+        FullGeometry.of(distances, directions),
         Comparison(0.02, 0.1, 4.0, 1.0, 0.5),
     )
 

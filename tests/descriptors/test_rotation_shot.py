@@ -100,8 +100,10 @@ def test_similarity_of_candidates_is_the_pooled_one(potato: TriangleMesh) -> Non
     full = spectra_of(potato, QUERIES)
     part = weighted_spectra(full, np.array([[1.0, 0.2]] * 4))
     pooled = pooled_similarity(full, part, np.arange(4), 4).max(axis=2)
+    waves = shift_table()
+    memory = np.empty(waves.shape[1], dtype=np.float32)
     pairs = [
-        [similarity_of_two(full, vertex, part, point, shift_table()) for vertex in range(4)]
+        [similarity_of_two(full, vertex, part, point, waves, memory) for vertex in range(4)]
         for point in range(4)
     ]
     assert np.allclose(pairs, pooled, atol=1e-5)

@@ -61,8 +61,9 @@ def softened(elastic: ElasticSurface, strain: Floats) -> ElasticSurface:
 @compiled()
 def _fit_rotations(rows, elastic, positions, rotations):
     pointers, neighbors, weights, rest = elastic
+    a = np.empty((3, 3))
     for i in range(rows[0], rows[1]):
-        a = np.zeros((3, 3))
+        a[:] = 0.0
         for entry in range(pointers[i], pointers[i + 1]):
             j = neighbors[entry]
             for r in range(3):
@@ -96,28 +97,33 @@ def _closest_rotation(a, rotation):
             for c in range(3):
                 rotation[r, c] = 1.0 if r == c else 0.0
         return
-    h = np.empty((4, 4))
-    _horn(a, norm, h)
-    top = _largest_root(h)
-    for k in range(4):
-        h[k, k] -= top
-    best, size = 0, 0.0
-    quaternion = np.empty((4, 4))
-    for k in range(4):
-        total = 0.0
-        for j in range(4):
-            quaternion[k, j] = _cofactor(h, k, j)
-            total += quaternion[k, j] * quaternion[k, j]
-        if total > size:
-            best, size = k, total
-    # the adjugate is the product of the three gaps to the other eigenvalues, and h has norm 1
-    if size < SMALLEST_GAP * SMALLEST_GAP:
-        for k in range(4):
-            h[k, k] += top
-        best, size = _top_eigenvector(h, quaternion), 1.0
-    size = math.sqrt(size)
-    w, x = quaternion[best, 0] / size, quaternion[best, 1] / size
-    y, z = quaternion[best, 2] / size, quaternion[best, 3] / size
+    horn = _horn(a, norm)
+    top = _largest_root(a, norm, horn)
+    less = (
+        (horn[0][0] - top, horn[0][1], horn[0][2], horn[0][3]),
+        (horn[1][0], horn[1][1] - top, horn[1][2], horn[1][3]),
+        (horn[2][0], horn[2][1], horn[2][2] - top, horn[2][3]),
+        (horn[3][0], horn[3][1], horn[3][2], horn[3][3] - top),
+    )
+    # the adjugate of rank one is a multiple of q q', so its largest column is at its largest
+    # diagonal entry
+    (ww, xx, yy, zz), (wx, wy, wz, xy, xz, yz) = _adjugate(less)
+    most = max(abs(ww), abs(xx), abs(yy), abs(zz))
+    if most == abs(ww):
+        w, x, y, z = ww, wx, wy, wz
+    elif most == abs(xx):
+        w, x, y, z = wx, xx, xy, xz
+    elif most == abs(yy):
+        w, x, y, z = wy, xy, yy, yz
+    else:
+        w, x, y, z = wz, xz, yz, zz
+    size = math.sqrt(w * w + x * x + y * y + z * z)
+    # the adjugate is the product of the three gaps to the other eigenvalues, and a has norm 1
+    if size < SMALLEST_GAP:
+        h, vectors = np.array(horn), np.empty((4, 4))
+        best, size = _top_eigenvector(h, vectors), 1.0
+        w, x, y, z = vectors[best, 0], vectors[best, 1], vectors[best, 2], vectors[best, 3]
+    w, x, y, z = w / size, x / size, y / size, z / size
     rotation[0, 0] = w * w + x * x - y * y - z * z
     rotation[1, 1] = w * w - x * x + y * y - z * z
     rotation[2, 2] = w * w - x * x - y * y + z * z
@@ -126,39 +132,78 @@ def _closest_rotation(a, rotation):
     rotation[1, 2], rotation[2, 1] = 2 * (y * z - w * x), 2 * (y * z + w * x)
 
 
-@compiled()
-def _horn(a, norm, h):
-    """Horn's symmetric matrix (4, 4) of a (3, 3), over its norm."""
-    s = np.empty((3, 3))
-    for r in range(3):
-        for c in range(3):
-            s[r, c] = a[c, r] / norm
-    h[0, 0] = s[0, 0] + s[1, 1] + s[2, 2]
-    h[1, 1] = s[0, 0] - s[1, 1] - s[2, 2]
-    h[2, 2] = -s[0, 0] + s[1, 1] - s[2, 2]
-    h[3, 3] = -s[0, 0] - s[1, 1] + s[2, 2]
-    h[0, 1] = h[1, 0] = s[1, 2] - s[2, 1]
-    h[0, 2] = h[2, 0] = s[2, 0] - s[0, 2]
-    h[0, 3] = h[3, 0] = s[0, 1] - s[1, 0]
-    h[1, 2] = h[2, 1] = s[0, 1] + s[1, 0]
-    h[1, 3] = h[3, 1] = s[2, 0] + s[0, 2]
-    h[2, 3] = h[3, 2] = s[1, 2] + s[2, 1]
+@compiled(inline="always")
+def _horn(a, norm):
+    """Horn's symmetric traceless matrix (4 rows of 4) of a (3, 3) over its norm."""
+    trace = (a[0, 0] + a[1, 1] + a[2, 2]) / norm
+    x, y, z = 2 * a[0, 0] / norm - trace, 2 * a[1, 1] / norm - trace, 2 * a[2, 2] / norm - trace
+    wx, wy, wz = (
+        (a[2, 1] - a[1, 2]) / norm, (a[0, 2] - a[2, 0]) / norm, (a[1, 0] - a[0, 1]) / norm,
+    )  # fmt: skip
+    xy, xz, yz = (
+        (a[1, 0] + a[0, 1]) / norm, (a[0, 2] + a[2, 0]) / norm, (a[2, 1] + a[1, 2]) / norm,
+    )  # fmt: skip
+    return (trace, wx, wy, wz), (wx, x, xy, xz), (wy, xy, y, yz), (wz, xz, yz, z)
 
 
-@compiled()
-def _largest_root(h):
-    """Largest eigenvalue of a symmetric traceless (4, 4), by Newton's method from above."""
-    # x^4 + c2 x^2 + c1 x + c0, by the sums of squares and cubes of the eigenvalues
-    square = h @ h
-    c2 = -0.5 * np.trace(square)
-    c1 = -(square * h).sum() / 3.0
-    c0 = 0.0
-    for j in range(4):
-        c0 += h[0, j] * _cofactor(h, 0, j)
-    x = math.sqrt(-1.5 * c2)  # no eigenvalue of four with sum zero is larger
+@compiled(inline="always")
+def _minors(h):
+    """Determinants of two rows and two columns: of the first rows of h (4, 4), of the last ones.
+
+    By columns 01, 02, 03, 12, 13, 23.
+    """
+    p, q, r, s = h
+    upper = (
+        p[0] * q[1] - q[0] * p[1], p[0] * q[2] - q[0] * p[2], p[0] * q[3] - q[0] * p[3],
+        p[1] * q[2] - q[1] * p[2], p[1] * q[3] - q[1] * p[3], p[2] * q[3] - q[2] * p[3],
+    )  # fmt: skip
+    lower = (
+        r[0] * s[1] - s[0] * r[1], r[0] * s[2] - s[0] * r[2], r[0] * s[3] - s[0] * r[3],
+        r[1] * s[2] - s[1] * r[2], r[1] * s[3] - s[1] * r[3], r[2] * s[3] - s[2] * r[3],
+    )  # fmt: skip
+    return upper, lower
+
+
+@compiled(inline="always")
+def _adjugate(h):
+    """The diagonal (4,) of the adjugate of a symmetric h (4, 4), and what is above it, by rows."""
+    upper, lower = _minors(h)
+    p, q, r, s = h
+    diagonal = (
+        q[1] * lower[5] - q[2] * lower[4] + q[3] * lower[3],
+        p[0] * lower[5] - p[2] * lower[2] + p[3] * lower[1],
+        s[0] * upper[4] - s[1] * upper[2] + s[3] * upper[0],
+        r[0] * upper[3] - r[1] * upper[1] + r[2] * upper[0],
+    )
+    above = (
+        -p[1] * lower[5] + p[2] * lower[4] - p[3] * lower[3],
+        s[1] * upper[5] - s[2] * upper[4] + s[3] * upper[3],
+        -r[1] * upper[5] + r[2] * upper[4] - r[3] * upper[3],
+        -s[0] * upper[5] + s[2] * upper[2] - s[3] * upper[1],
+        r[0] * upper[5] - r[2] * upper[2] + r[3] * upper[1],
+        -r[0] * upper[4] + r[1] * upper[2] - r[3] * upper[0],
+    )
+    return diagonal, above
+
+
+@compiled(inline="always")
+def _largest_root(a, norm, horn):
+    """Largest eigenvalue of Horn's matrix of a (3, 3) over its norm, by Newton's method from above.
+
+    Its characteristic polynomial is x^4 - 2 x^2 - 8 det(a / norm) x + det(horn): Theobald 2005.
+    """
+    determinant = (
+        a[0, 0] * (a[1, 1] * a[2, 2] - a[1, 2] * a[2, 1])
+        - a[0, 1] * (a[1, 0] * a[2, 2] - a[1, 2] * a[2, 0])
+        + a[0, 2] * (a[1, 0] * a[2, 1] - a[1, 1] * a[2, 0])
+    )
+    c1 = -8.0 * determinant / (norm * norm * norm)
+    u, v = _minors(horn)
+    c0 = u[0] * v[5] - u[1] * v[4] + u[2] * v[3] + u[3] * v[2] - u[4] * v[1] + u[5] * v[0]
+    x = math.sqrt(3.0)  # no eigenvalue of four with sum zero and sum of squares 4 is larger
     for _ in range(50):
-        value = ((x * x + c2) * x + c1) * x + c0
-        slope = (4.0 * x * x + 2.0 * c2) * x + c1
+        value = ((x * x - 2.0) * x + c1) * x + c0
+        slope = (4.0 * x * x - 4.0) * x + c1
         if slope <= 0.0:
             break
         step = value / slope
@@ -199,19 +244,6 @@ def _top_eigenvector(h, vectors):
     for k in range(1, 4):
         best = k if h[k, k] > h[best, best] else best
     return best
-
-
-@compiled(inline="always")
-def _cofactor(h, row, column):
-    r0, r1, r2 = (row + 1) % 4, (row + 2) % 4, (row + 3) % 4
-    c0, c1, c2 = (column + 1) % 4, (column + 2) % 4, (column + 3) % 4
-    minor = (
-        h[r0, c0] * (h[r1, c1] * h[r2, c2] - h[r1, c2] * h[r2, c1])
-        - h[r0, c1] * (h[r1, c0] * h[r2, c2] - h[r1, c2] * h[r2, c0])
-        + h[r0, c2] * (h[r1, c0] * h[r2, c1] - h[r1, c1] * h[r2, c0])
-    )
-    # a cyclic order of three is an even permutation, so the signs are those of the sorted rows
-    return minor if (row + column) % 2 == 0 else -minor
 
 
 @compiled()

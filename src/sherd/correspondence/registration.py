@@ -33,6 +33,9 @@ __all__ = [
 # Data terms are areas over squared lengths: below such a length the elasticity decides, above
 # it the data. Places from trilateration are noise of 0.02 to be averaged over a limb's width.
 PLACE_LENGTH = 0.05
+# A round that moves vertices by so little, in the mean, is the last one: the next would move them
+# by three quarters of it, and the slides that follow by five to fifteen times as much.
+STILL = 2e-4
 # Places farther off than this are wrong, not noisy.
 PLACE_LIMIT = 0.04
 # The limit is three times that at first and falls by half of it in each round (graduated
@@ -88,7 +91,8 @@ def registered_to_positions(
     """The elastic part drawn from `start` to a position (n', 3) for each of its vertices.
 
     `present` (n',) in [0, 1] is how far each vertex has a place at all; elasticity alone carries
-    those that have none. All have one if None.
+    those that have none. All have one if None. There are fewer than `rounds` where nothing moves
+    any more.
     """
     part, deformation = question.part, start
     areas = part.mesh.vertex_areas / PLACE_LENGTH**2
@@ -100,7 +104,10 @@ def registered_to_positions(
         trust = areas / (1 + off / limit**2) ** 2
         data = trust[:, None, None] * np.eye(3)
         pull = trust[:, None] * targets
-        deformation = _relaxed(question, deformation, data, pull)
+        before, deformation = deformation, _relaxed(question, deformation, data, pull)
+        moved = ((deformation.positions - before.positions) ** 2).sum(axis=1).mean()
+        if limit == PLACE_LIMIT and moved < STILL**2:
+            break
     return deformation
 
 
@@ -122,13 +129,14 @@ def registered_to_surface(
     full, part, queries = question.full, question.part, look.vertices
     areas = np.maximum(part.mesh.vertex_areas, 1e-9)
     density = part.mesh.vertex_count / len(queries)
+    surface = full.finder.follower()
     for reach in reaches:
         targets, confidence, _ = similar_places(full, deformation.positions, look, reach=reach)
         confidence = confidence * look.trust
         if present is not None:
             confidence = confidence * present[queries]
         for _ in range(slides):
-            points = full.finder.closest(deformation.positions, _facing(question, deformation))
+            points = surface.closest(deformation.positions, _facing(question, deformation))
             foot = points.positions(full.mesh)
             up = points.interpolate(full.mesh, full.mesh.vertex_normals)
             up /= np.maximum(lengths(up), 1e-12)[:, None]

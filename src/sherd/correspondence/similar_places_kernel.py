@@ -52,6 +52,7 @@ def most_alike(  # noqa: PLR0913
     vertices, normals, areas = sheet
     full_spectra, part_spectra, waves = spectra
     mean = np.empty(3)
+    totals = np.empty(waves.shape[1], np.float32)
     for row in range(rows[0], rows[1]):
         near = vertices_in_ball(here[row], reach, vertices, cells)
         if len(near) == 0:
@@ -71,7 +72,7 @@ def most_alike(  # noqa: PLR0913
                 agreement += normals[vertex, axis] * up[axis]
             if agreement < SAME_SHEET and vertex != nearest[row]:
                 continue
-            value = similarity_of_two(full_spectra, vertex, part_spectra, row, waves)
+            value = similarity_of_two(full_spectra, vertex, part_spectra, row, waves, totals)
             alike = max(alike, value)
             # of two equally similar places the nearer one
             score[k] = value - 0.5 * SOFTNESS * distance / (0.6 * reach) ** 2
@@ -80,7 +81,7 @@ def most_alike(  # noqa: PLR0913
             score[0], best = 0.0, 0.0
             for axis in range(3):
                 offset[0, axis] = vertices[nearest[row], axis] - here[row, axis]
-            alike = similarity_of_two(full_spectra, nearest[row], part_spectra, row, waves)
+            alike = similarity_of_two(full_spectra, nearest[row], part_spectra, row, waves, totals)
         total, spread = 0.0, 0.0
         mean[0], mean[1], mean[2] = 0.0, 0.0, 0.0
         for k in range(count):

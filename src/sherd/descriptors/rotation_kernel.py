@@ -82,27 +82,35 @@ def best_rotation(rows, parts, waves, result):
 
 # Sums may be regrouped into vector lanes: the same on every run, and four times faster.
 @compiled(fastmath={"reassoc", "contract"})
-def similarity_of_two(full_spectra, vertex, part_spectra, point, waves):
+def similarity_of_two(full_spectra, vertex, part_spectra, point, waves, totals):
     """Similarity, best over rotation, of one full vertex with one part point, for kernels.
 
-    `waves` come from :func:`sherd.descriptors.rotation_shot.shift_table`.
+    `waves` come from :func:`sherd.descriptors.rotation_shot.shift_table`; `totals` is memory for
+    one number of each rotation, given by callers who ask for many.
     """
     half = full_spectra.shape[2] // 2
     last = FREQUENCIES - 1
-    totals = np.zeros(waves.shape[1], np.float32)
+    for shift in range(len(totals)):
+        totals[shift] = np.float32(0.0)
     for frequency in range(FREQUENCIES):
-        p, f = part_spectra[frequency, point], full_spectra[frequency, vertex]
         real, imaginary = np.float32(0.0), np.float32(0.0)
         if frequency in (0, last):  # these have no imaginary part
             for k in range(half):
-                real += p[k] * f[k]
+                real += part_spectra[frequency, point, k] * full_spectra[frequency, vertex, k]
             for shift in range(len(totals)):
                 totals[shift] += real * waves[frequency, shift]
             continue
         for k in range(half):
-            real += p[k] * f[k] + p[half + k] * f[half + k]
-            imaginary += p[half + k] * f[k] - p[k] * f[half + k]
-        turned = waves[FREQUENCIES + frequency - 1]
+            p = part_spectra[frequency, point, k]
+            q = part_spectra[frequency, point, half + k]
+            f = full_spectra[frequency, vertex, k]
+            g = full_spectra[frequency, vertex, half + k]
+            real += p * f + q * g
+            imaginary += q * f - p * g
+        other = FREQUENCIES + frequency - 1
         for shift in range(len(totals)):
-            totals[shift] += real * waves[frequency, shift] + imaginary * turned[shift]
-    return totals.max()
+            totals[shift] += real * waves[frequency, shift] + imaginary * waves[other, shift]
+    best = totals[0]
+    for shift in range(1, len(totals)):
+        best = totals[shift] if totals[shift] > best else best
+    return best

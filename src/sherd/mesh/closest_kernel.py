@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from sherd.arrays import Floats, Ints
@@ -12,32 +14,57 @@ __all__ = ["closest_on_faces"]
 
 
 def closest_on_faces(
-    positions: Floats, near: Ints, corners: Floats, penalty: Floats, faces: Ints, weights: Floats
-) -> None:
-    """Write the face and the weights (p,), (p, 3) of the point closest to each position (p, 3).
+    positions: Floats, near: Ints, corners: Floats, balls: Floats, penalty: Floats
+) -> tuple[Ints, Floats]:
+    """The face (p,) and weights (p, 3) of the point closest to each position (p, 3).
 
-    Searched are the faces `near` (p, k) with `corners` (m, 3, 3); `penalty` (p, k), l^2, is added
-    to the squared distances. Ericson, *Real-Time Collision Detection*, 2005, section 5.1.5.
+    Ericson, *Real-Time Collision Detection*, 2005, section 5.1.5.
+
+    Parameters
+    ----------
+    positions
+        Where to search from.
+    near
+        (g, k) the faces that are searched: each row serves p / g positions in turn.
+    corners, balls
+        (m, 3, 3) and (m, 4) of the faces; see :func:`sherd.mesh.geometry.face_balls`.
+    penalty
+        (g, k), l^2, is added to the squared distances.
     """
-    over_rows(_closest_on_faces, len(positions), positions, near, corners, penalty, faces, weights)
+    faces, weights = np.empty(len(positions), dtype=np.int64), np.empty((len(positions), 3))
+    over_rows(
+        _closest_on_faces, len(positions), np.ascontiguousarray(positions), near, corners, balls,
+        penalty, faces, weights,
+    )  # fmt: skip
+    return faces, weights
 
 
 @compiled()
-def _closest_on_faces(rows, positions, near, corners, penalty, faces, weights):
+def _closest_on_faces(rows, positions, near, corners, balls, penalty, faces, weights):
+    served = max(len(positions) // max(len(near), 1), 1)
     for row in range(rows[0], rows[1]):
         best = np.inf
-        faces[row] = near[row, 0]
+        group = row // served
+        faces[row] = near[group, 0]
         weights[row, 0], weights[row, 1], weights[row, 2] = 1.0, 0.0, 0.0
         for k in range(near.shape[1]):
-            a, b, c = corners[near[row, k]]
+            face = near[group, k]
+            # most faces are known not to be the closest by the ball around them
+            away = 0.0
+            for x in range(3):
+                away += (balls[face, x] - positions[row, x]) ** 2
+            away = max(math.sqrt(away) - balls[face, 3], 0.0)
+            if away * away + penalty[group, k] > best:
+                continue
+            a, b, c = corners[face]
             v, w = _closest_weights(positions[row], a, b, c)
-            distance = penalty[row, k]
+            distance = penalty[group, k]
             for x in range(3):
                 foot = a[x] + v * (b[x] - a[x]) + w * (c[x] - a[x])
                 distance += (foot - positions[row, x]) ** 2
             if distance < best:
                 best = distance
-                faces[row] = near[row, k]
+                faces[row] = face
                 weights[row, 0], weights[row, 1], weights[row, 2] = 1.0 - v - w, v, w
 
 

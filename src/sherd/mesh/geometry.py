@@ -17,6 +17,7 @@ __all__ = [
     "edge_graph",
     "edge_lengths",
     "face_areas",
+    "face_balls",
     "face_cross",
     "face_normals",
     "lengths",
@@ -51,6 +52,13 @@ def face_cross(vertices: Floats, faces: Ints) -> Floats:
 def face_areas(vertices: Floats, faces: Ints) -> Floats:
     """Area of each face, (m,) l^2."""
     return 0.5 * lengths(face_cross(vertices, faces))
+
+
+def face_balls(corners: Floats) -> Floats:
+    """A ball (m, 4) that holds each face with corners (m, 3, 3): its center and radius, l."""
+    centers = corners.mean(axis=1)
+    away = lengths((corners - centers[:, None]).reshape(-1, 3)).reshape(-1, 3)
+    return np.concatenate([centers, away.max(axis=1, keepdims=True)], axis=1)
 
 
 def face_normals(vertices: Floats, faces: Ints) -> Floats:

@@ -6,21 +6,27 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from sherd.arrays import Bools, Floats, Ints
-from sherd.mesh.geometry import face_cross, lengths
+from sherd.mesh.geometry import face_balls, face_cross, lengths
 from sherd.mesh.sizes import LARGEST_PART
 from sherd.mesh.surface_points import BLOCK, SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
 
-__all__ = ["SurfaceFinder"]
+__all__ = ["SurfaceFinder", "SurfaceFollower"]
 
 
 # A normal that differs by a right angle counts like 0.04 of distance: other sheets stay away.
 NORMAL_SCALE = 0.03
 # Faces searched around each position; exact where triangles are not much longer than wide.
 NEAR_FACES = 12
+# The near faces reach about two radii of a face around a position; when it has moved by less than a
+# third of one (normals counted as in the search) the closest is still among them.
+FOLLOWED = 0.3
 # Samples per vertex area, each shared by three vertices: a vertex sees a dozen.
 SAMPLES = 4
 MOST_DIVISIONS = 16
+# Samples of a face that is divided by so much lie within an edge of this mesh around its center, so
+# the faces near the center are near all of them.
+TOGETHER = 3
 # Of a vertex's area, from which on it is covered.
 HALF = 0.5
 
@@ -32,34 +38,71 @@ class SurfaceFinder:
     ----------
     mesh
         The surface, in the template's unit.
+
+    Attributes
+    ----------
+    face_radius
+        Mean radius of the balls around faces.
     """
 
     def __init__(self, mesh: TriangleMesh) -> None:
         self.mesh = mesh
         self._corners = np.ascontiguousarray(mesh.vertices[mesh.faces])
+        self._balls = face_balls(self._corners)
         self._normals = mesh.face_normals
-        self._faces = _tree(self._corners.mean(axis=1), self._normals)
+        self._faces = _tree(self._balls[:, :3], self._normals)
+        self.face_radius = float(self._balls[:, 3].mean()) if len(self._balls) else 0.0
 
     def closest(self, positions: Floats, normals: Floats) -> SurfacePoints:
         """The closest point to each position (p, 3) whose surface has normal (p, 3)."""
-        from sherd.mesh.closest_kernel import closest_on_faces  # loads slowly  # noqa: PLC0415
+        return self._closest_in_groups(positions, positions, normals)
 
+    def follower(self) -> SurfaceFollower:
+        """Closest points of positions that move from one question to the next."""
+        return SurfaceFollower(self)
+
+    def near_faces(self, positions: Floats, normals: Floats) -> Ints:
+        """Faces (p, k) near each position (p, 3) that look about as its normal (p, 3) does."""
         count = min(NEAR_FACES, self.mesh.face_count)
         query = _with_normals(positions, normals)
-        faces = np.empty(len(positions), dtype=np.int64)
-        weights = np.empty((len(positions), 3))
-        for start in range(0, len(positions), BLOCK):
-            block = slice(start, start + BLOCK)
-            near = self._faces.query(query[block], k=count, workers=-1)[1]
-            near = near.reshape(-1, count)
-            # among the near faces only those that look the other way are put back
-            agreement = np.einsum("pkc,pc->pk", self._normals[near], normals[block])
-            penalty = 4.0 * NORMAL_SCALE**2 * (agreement < 0)
-            closest_on_faces(
-                np.ascontiguousarray(positions[block]), near, self._corners, penalty,
-                faces[block], weights[block],
-            )  # fmt: skip
-        return SurfacePoints(faces, weights)
+        near: Ints = self._faces.query(query, k=count, workers=-1)[1].reshape(-1, count)
+        return near
+
+    def closest_among(self, near: Ints, positions: Floats, normals: Floats) -> SurfacePoints:
+        """As :meth:`closest`, among the faces `near` (g, k), each row for p / g positions in turn.
+
+        The normals (g, 3) are those of the groups.
+        """
+        from sherd.mesh.closest_kernel import closest_on_faces  # loads slowly  # noqa: PLC0415
+
+        # among the near faces only those that look the other way are put back
+        agreement = np.einsum("pkc,pc->pk", self._normals[near], normals)
+        penalty = 4.0 * NORMAL_SCALE**2 * (agreement < 0)
+        found = closest_on_faces(positions, near, self._corners, self._balls, penalty)
+        return SurfacePoints(*found)
+
+    def _closest_in_groups(
+        self, positions: Floats, centers: Floats, normals: Floats
+    ) -> SurfacePoints:
+        """The same for groups in turn of p / g positions around each center (g, 3) with its normal.
+
+        The faces near the center are searched for all of its group.
+        """
+        served = len(positions) // max(len(centers), 1)
+        found = [
+            self.closest_among(
+                self.near_faces(centers[groups], normals[groups]),
+                positions[served * groups.start : served * groups.stop],
+                normals[groups],
+            )
+            for groups in (slice(k, k + BLOCK) for k in range(0, max(len(centers), 1), BLOCK))
+        ]
+        if len(found) == 1:
+            return found[0]
+        return SurfacePoints(
+            np.concatenate([points.faces for points in found]),
+            np.concatenate([points.barycentric for points in found]),
+        )
 
     def covered_areas(self, positions: Floats, faces: Ints) -> Floats:
         """How much of a surface (p, 3), (f, 3) lies at each vertex, (n,) area.
@@ -79,8 +122,11 @@ class SurfaceFinder:
             rows = np.flatnonzero(divisions == division)
             grid = _subtriangle_centers(int(division))
             samples = np.einsum("gk,fkc->fgc", grid, corners[rows]).reshape(-1, 3)
-            up = np.repeat(normals[rows], len(grid), axis=0)
-            points = self.closest(samples, up)
+            if division <= TOGETHER:
+                centers, up = corners[rows].mean(axis=1), normals[rows]
+            else:
+                centers, up = samples, np.repeat(normals[rows], len(grid), axis=0)
+            points = self._closest_in_groups(samples, centers, up)
             share = np.repeat(areas[rows] / len(grid), len(grid))
             corners_hit = self.mesh.faces[points.faces]
             parts = points.barycentric * share[:, None]
@@ -97,6 +143,35 @@ class SurfaceFinder:
         covered: Bools = self.covered_areas(positions, faces) >= HALF * whole
         covered &= whole > 0
         return covered
+
+
+class SurfaceFollower:
+    """The closest points of positions that move a little from one question to the next.
+
+    The faces near a position are searched anew only once it has moved.
+
+    Parameters
+    ----------
+    finder
+        Of the surface.
+    """
+
+    def __init__(self, finder: SurfaceFinder) -> None:
+        self._finder = finder
+        self._near = np.empty((0, 0), dtype=np.int64)
+        self._searched = np.empty((0, 6))
+
+    def closest(self, positions: Floats, normals: Floats) -> SurfacePoints:
+        """As :meth:`SurfaceFinder.closest`, for as many positions (p, 3) each time."""
+        here = _with_normals(positions, normals)
+        if not len(self._searched):
+            self._near, self._searched = self._finder.near_faces(positions, normals), here
+        else:
+            least = FOLLOWED * self._finder.face_radius
+            moved = np.flatnonzero(((here - self._searched) ** 2).sum(axis=1) > least**2)
+            self._near[moved] = self._finder.near_faces(positions[moved], normals[moved])
+            self._searched[moved] = here[moved]
+        return self._finder.closest_among(self._near, positions, normals)
 
 
 def _tree(places: Floats, normals: Floats) -> cKDTree:

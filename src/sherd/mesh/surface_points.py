@@ -10,6 +10,7 @@ from scipy.spatial import cKDTree
 
 from sherd.arrays import Floats, FrozenState, Ints, frozen
 from sherd.errors import InvalidMeshError
+from sherd.mesh.geometry import face_balls
 from sherd.mesh.triangle_mesh import TriangleMesh
 
 __all__ = ["SurfacePoints", "closest_points", "points_at_vertices"]
@@ -136,14 +137,14 @@ def closest_points(
 
     points = np.ascontiguousarray(np.atleast_2d(np.asarray(positions, dtype=np.float64)))
     corners = np.ascontiguousarray(mesh.vertices[mesh.faces])
+    balls = face_balls(corners)
     count = min(neighbors, mesh.face_count)
-    tree = cKDTree(corners.mean(axis=1), balanced_tree=False)
-    faces = np.zeros(len(points), dtype=np.int64)
-    weights = np.empty((len(points), 3))
+    tree = cKDTree(balls[:, :3], balanced_tree=False)
+    faces, weights = np.empty(len(points), dtype=np.int64), np.empty((len(points), 3))
     for start in range(0, len(points), BLOCK):  # the neighbors of all points at once fill memory
         block = slice(start, start + BLOCK)
         near = tree.query(points[block], k=count, workers=-1)[1].reshape(-1, count)
-        closest_on_faces(
-            points[block], near, corners, np.zeros(near.shape), faces[block], weights[block]
+        faces[block], weights[block] = closest_on_faces(
+            points[block], near, corners, balls, np.zeros(near.shape)
         )
     return SurfacePoints(faces, weights)

@@ -13,7 +13,14 @@ import numpy as np
 
 from sherd.arrays import Floats, Ints
 from sherd.compiled import compiled
-from sherd.correspondence.labels.labeling_data import Comparison, FullGeometry, PartGeometry, State
+from sherd.correspondence.labels.labeling_data import (
+    TURN,
+    Comparison,
+    FullGeometry,
+    PartGeometry,
+    State,
+    turn_costs,
+)
 from sherd.threads import over_rows
 
 __all__ = ["best_placed", "guided_turns"]
@@ -39,7 +46,10 @@ def best_placed(
     Equal costs are in the order of the labels.
     """
     labels, costs = np.empty((len(nodes), count), dtype=np.int64), np.empty((len(nodes), count))
-    over_rows(_best_placed, len(nodes), nodes, guides, part, full, state, comparison, labels, costs)
+    over_rows(
+        _best_placed, len(nodes), nodes, guides, part, full, state, comparison,
+        turn_costs(comparison), labels, costs,
+    )  # fmt: skip
     return labels, costs
 
 
@@ -53,10 +63,12 @@ def guided_turns(
 
 
 @compiled()
-def _best_placed(rows, nodes, guides, part, full, state, comparison, labels, costs):  # noqa: PLR0913
+def _best_placed(  # noqa: PLR0913
+    rows, nodes, guides, part, full, state, comparison, turned, labels, costs
+):
     for row in range(rows[0], rows[1]):
         misfit = np.empty(full.between.shape[0], np.float32)
-        _misfits(nodes[row], guides[row], part, full, state, comparison, misfit)
+        _misfits(nodes[row], guides[row], part, full, state, comparison, turned, misfit)
         for rank in range(labels.shape[1]):
             best = np.argmin(misfit)
             labels[row, rank], costs[row, rank] = best, misfit[best]
@@ -64,14 +76,12 @@ def _best_placed(rows, nodes, guides, part, full, state, comparison, labels, cos
 
 
 @compiled()
-def _misfits(node, guides, part, full, state, comparison, misfit):
+def _misfits(node, guides, part, full, state, comparison, turned, misfit):  # noqa: PLR0913
     """Write the cost (s,) of every label for one node: length and direction from each guide."""
     between, directions = part
-    label_distances, headings = full
     labels, rotations = state
     one, zero, half = np.float32(1.0), np.float32(0.0), np.float32(0.5)
     shorter, longer = np.float32(comparison.limit), np.float32(comparison.longer_limit)
-    factor = np.float32(2.0 / comparison.angle_sigma**2)
     misfit[:] = zero
     for guide in guides:
         if guide < 0:
@@ -81,23 +91,23 @@ def _misfits(node, guides, part, full, state, comparison, misfit):
             continue
         near = np.float32(1.0 / (1.0 + (length / GUIDE_LENGTH) ** 2))
         scale = np.float32(1.0 / (comparison.length_sigma + comparison.stretch_sigma * length))
-        distances, there = label_distances[labels[guide]], headings[labels[guide]]
+        distances, leaving = full.between[labels[guide]], full.leaving[labels[guide]]
         angle = directions[guide, node] - rotations[guide]
-        along, across = np.float32(math.cos(angle)), np.float32(math.sin(angle))
+        ahead = int(math.floor(angle * (TURN / (2.0 * math.pi)) + 0.5))
         for label in range(len(misfit)):
             # labels on other components are infinitely far
             distance = distances[label] if distances[label] < FAR else FAR
             off = (distance - length) * scale
-            turn = (one - along * there[label, 0] - across * there[label, 1]) * factor
             limit = longer if off > zero else shorter
-            cost = off * off / (one + off * off / limit) + half * turn / (one + turn / shorter)
+            cost = off * off / (one + off * off / limit)
+            cost += half * turned[(leaving[label] - ahead) & (TURN - 1)]
             misfit[label] += near * cost
 
 
 @compiled()
 def _guided_turns(rows, nodes, guides, at, part, full, state, turns):
     between, directions = part
-    headings, labels = full.headings, state.labels
+    labels = state.labels
     for row in range(rows[0], rows[1]):
         node = nodes[row]
         for rank in range(at.shape[1]):
@@ -107,8 +117,7 @@ def _guided_turns(rows, nodes, guides, at, part, full, state, turns):
                 if guide < 0:
                     break
                 near = 1.0 / (1.0 + (between[node, guide] / GUIDE_LENGTH) ** 2)
-                c, s = math.cos(directions[node, guide]), math.sin(directions[node, guide])
-                there = headings[here, labels[guide]]
-                along += near * (c * there[0] + s * there[1])
-                across += near * (s * there[0] - c * there[1])
+                turn = directions[node, guide] - full.directions[here, labels[guide]]
+                along += near * math.cos(turn)
+                across += near * math.sin(turn)
             turns[row, rank] = math.atan2(across, along)

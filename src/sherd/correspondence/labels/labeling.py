@@ -184,7 +184,7 @@ class Problem:
         """Distances and directions between the labels, for kernels."""
         # the square of an infinite length over itself would be no number
         between = np.minimum(self.labels.between, ELSEWHERE_LENGTH).astype(np.float32, copy=False)
-        return FullGeometry(between, self.labels.headings)
+        return FullGeometry.of(between, self.labels.directions)
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,7 +11,13 @@ import numpy as np
 
 from sherd.arrays import Ints, Singles
 from sherd.compiled import compiled
-from sherd.correspondence.labels.labeling_data import Comparison, EdgeMeasures, FullGeometry
+from sherd.correspondence.labels.labeling_data import (
+    TURN,
+    Comparison,
+    EdgeMeasures,
+    FullGeometry,
+    turn_costs,
+)
 from sherd.threads import over_rows
 
 __all__ = ["labeling_costs", "pass_messages"]
@@ -19,7 +25,6 @@ __all__ = ["labeling_costs", "pass_messages"]
 
 # Labels on other components are infinitely far; this far costs the limit as well.
 FAR = np.float32(1e6)
-ALONG = np.float32(1.0)
 
 
 @compiled(inline="always")
@@ -59,51 +64,50 @@ def labeling_costs(
     labels = np.ascontiguousarray(labels)  # another layout would be compiled for apart
     over_rows(
         _labeling_costs, len(edges), edges, measures, labels, rotations, directions, full,
-        comparison, costs,
+        comparison, turn_costs(comparison), costs,
     )  # fmt: skip
     return costs
 
 
 @compiled()
 def _labeling_costs(  # noqa: PLR0913
-    rows, edges, measures, labels, rotations, directions, full, comparison, costs
+    rows, edges, measures, labels, rotations, directions, full, comparison, turned, costs
 ):
     # what lies scattered in memory is gathered first: then the loops run in vector lanes
-    distances, headings = full
     count = labels.shape[1]
     off, fit = np.empty(count, np.float32), np.empty(count, np.float32)
-    back = np.empty((count, 2), np.float32)
-    turned = np.empty((2, count), np.float32)
+    back = np.empty(count, np.int64)
     for edge in range(rows[0], rows[1]):
         first, second = edges[edge]
         length, lower = measures.length[edge], measures.lower[edge]
-        turn = measures.turn[edge]
+        turn = np.float32(measures.turn[edge])
         scale = np.float32(1.0 / (comparison.length_sigma + comparison.stretch_sigma * length))
         bound = np.float32((length - lower) * scale)
+        weight = np.float32(measures.weight[edge])
         for b in range(count):
-            angle = directions[edge, 1] - rotations[second, b]
-            back[b, 0], back[b, 1] = math.cos(angle), math.sin(angle)
+            back[b] = _steps(directions[edge, 1] - rotations[second, b])
         for a in range(count):
             at = labels[first, a]
-            here = distances[at]
             for b in range(count):
-                off[b] = (min(here[labels[second, b]], FAR) - np.float32(length)) * scale
+                distance = full.between[at, labels[second, b]]
+                off[b] = (min(distance, FAR) - np.float32(length)) * scale
             _length_costs(off, measures.equality[edge], bound, comparison, fit)
             if turn > 0.0:
-                angle = directions[edge, 0] - rotations[first, a]
-                x, y = np.float32(math.cos(angle)), np.float32(math.sin(angle))
-                there = headings[at]
+                ahead = _steps(directions[edge, 0] - rotations[first, a])
                 for b in range(count):
                     to = labels[second, b]
-                    u = x * there[to, 0] + y * there[to, 1]
-                    v = back[b, 0] * headings[to, at, 0] + back[b, 1] * headings[to, at, 1]
+                    there = turned[(full.leaving[at, to] - ahead) & (TURN - 1)]
+                    home = turned[(full.arriving[at, to] - back[b]) & (TURN - 1)]
                     # at one and the same place there is no direction: wrong, but wrong once
-                    turned[0, b] = -FAR if at == to else u
-                    turned[1, b] = ALONG if at == to else v
-                _add_turn_costs(turned, turn, comparison, fit)
-            weight = np.float32(measures.weight[edge])
+                    fit[b] += turn * (np.float32(comparison.limit) if at == to else there + home)
             for b in range(count):
                 costs[edge, a, b] = weight * fit[b]
+
+
+@compiled(inline="always")
+def _steps(angle):
+    """An angle in steps of a turn over TURN, of which only the last byte counts."""
+    return int(math.floor(angle * (TURN / (2.0 * math.pi)) + 0.5))
 
 
 @compiled()
@@ -123,17 +127,6 @@ def _length_costs(off, equality, bound, comparison, fit):
         below = -bound - off[b]
         beyond = (off[b] if off[b] > zero else zero) + (below if below > zero else zero)
         fit[b] = equal * _robust(off[b] * off[b], limit) + rest * _robust(beyond * beyond, limit)
-
-
-@compiled()
-def _add_turn_costs(turned, turn, comparison, fit):
-    """Add what directions cost whose cosines are `turned` (2, k)."""
-    limit, two = np.float32(comparison.limit), np.float32(2.0)
-    factor = np.float32(1.0 / (comparison.angle_sigma * comparison.angle_sigma))
-    share = np.float32(turn)
-    for b in range(len(fit)):
-        u, v = two - two * turned[0, b], two - two * turned[1, b]
-        fit[b] += share * (_robust(u * factor, limit) + _robust(v * factor, limit))
 
 
 @compiled()
