@@ -7,6 +7,7 @@ import numpy as np
 from sherd.correspondence.labels.guided_kernel import best_placed, guided_turns
 from sherd.correspondence.labels.labeling import SAME_SCALE
 from sherd.correspondence.labels.labeling_data import FullGeometry, PartGeometry, State
+from sherd.surface.counted import TURN
 
 NODES, GUIDES = 150, 10
 
@@ -16,11 +17,14 @@ def exact_data(full) -> tuple[PartGeometry, FullGeometry, State]:
     rng = np.random.default_rng(0)
     labels = full.dense
     true = rng.permutation(len(labels))[:NODES]
-    rotations = rng.uniform(-np.pi, np.pi, NODES)
+    step = 2 * np.pi / TURN  # directions are compared in such steps
+    rotations = step * rng.integers(0, TURN, NODES)
     pairs = np.ix_(true, true)
-    directions = labels.directions[pairs].astype(np.float64) + rotations[:, None]
+    rounded = (step * labels.leaving).astype(np.float32)
+    directions = rounded[pairs].astype(np.float64) + rotations[:, None]
     part = PartGeometry(labels.between[pairs], directions)
-    return part, FullGeometry(labels.between, labels.headings), State(true, rotations)
+    geometry = FullGeometry(labels.between, rounded, labels.leaving, labels.arriving)
+    return part, geometry, State(true, rotations)
 
 
 def nearest_guides(part: PartGeometry) -> np.ndarray:

@@ -8,6 +8,7 @@ import numpy as np
 
 from sherd.correspondence.labels.labeling_data import Comparison, EdgeMeasures, FullGeometry
 from sherd.correspondence.labels.message_passing_kernel import labeling_costs, pass_messages
+from sherd.surface.counted import TURN, steps_of
 
 
 def incidence(edges: np.ndarray, nodes: int) -> tuple[np.ndarray, np.ndarray]:
@@ -15,6 +16,11 @@ def incidence(edges: np.ndarray, nodes: int) -> tuple[np.ndarray, np.ndarray]:
     order = np.argsort(ends, kind="stable")
     incident = np.tile(np.arange(len(edges)), 2)[order]
     return np.searchsorted(ends[order], np.arange(nodes + 1)), incident
+
+
+def full_geometry(distances: np.ndarray, directions: np.ndarray) -> FullGeometry:
+    steps = steps_of(directions)
+    return FullGeometry(distances, directions, steps, np.ascontiguousarray(steps.T))
 
 
 def total(
@@ -55,7 +61,6 @@ def test_loops_are_solved_better_than_node_by_node() -> None:
 def test_pair_costs_follow_the_formula() -> None:
     distances = np.array([[0.0, 0.3], [0.3, 0.0]], dtype=np.float32)
     directions = np.array([[0.0, 0.5], [-1.0, 0.0]], dtype=np.float32)
-    headings = np.stack([np.cos(directions), np.sin(directions)], axis=2)
     edges = np.array([[0, 1]])
     labels = np.array([[0, 1], [1, 0]])
     rotations = np.array([[0.1, 0.0], [0.2, 0.0]], dtype=np.float32)
@@ -67,16 +72,20 @@ def test_pair_costs_follow_the_formula() -> None:
         labels,
         rotations,
         pairs,
-        FullGeometry.of(distances, directions),
+        full_geometry(distances, directions),
         Comparison(0.02, 0.1, 4.0, 1.0, 0.5),
     )
 
     def robust(x: float, limit: float = 4.0) -> float:
         return x / (1 + x / limit)
 
+    def rounded(angle: float) -> float:
+        step = 2 * np.pi / TURN
+        return float(step * np.rint(angle / step))
+
     off = ((0.3 - 0.2) / 0.04) ** 2
-    out = (2 - 2 * np.cos(0.9 - 0.1 - 0.5)) / 0.25
-    back = (2 - 2 * np.cos(-0.4 - 0.2 + 1.0)) / 0.25
+    out = (2 - 2 * np.cos(rounded(0.9 - 0.1) - rounded(0.5))) / 0.25
+    back = (2 - 2 * np.cos(rounded(-0.4 - 0.2) + rounded(1.0))) / 0.25
     assert np.isclose(
         costs[0, 0, 0], 2.0 * (robust(off, 1.0) + 0.5 * (robust(out) + robust(back))), atol=1e-4
     )
@@ -97,7 +106,7 @@ def test_paths_along_the_cut_may_shrink_on_the_full_shape_but_not_grow() -> None
         labels,
         none,
         none[:1],
-        FullGeometry(distances, np.zeros((3, 3, 2), dtype=np.float32)),
+        full_geometry(distances, np.zeros((3, 3), dtype=np.float32)),
         Comparison(0.02, 0.1, 4.0, 4.0, 0.5),
     )
     assert costs[0, 0, 0] == 0.0

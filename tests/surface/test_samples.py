@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from sherd.surface.counted import TURN
 from sherd.surface.described import NO_CUT, DescribedSurface
 from sherd.surface.samples import DENSE_COUNT, SPARSE_COUNT, Samples
 from sherd.surface.template import Template
@@ -133,7 +134,10 @@ def test_directions_point_from_sample_to_sample(template: Template) -> None:
     off = np.abs(np.angle(np.exp(1j * (angle - samples.directions[first, second]))))
     assert np.median(off) < 0.05
     assert np.quantile(off, 0.99) < 0.3
-    np.testing.assert_allclose(samples.headings[0, :, 1], np.sin(samples.directions[0]), atol=1e-6)
+    rounded = np.exp(2j * np.pi / TURN * samples.leaving)
+    half = 1.01 * np.pi / TURN
+    assert np.abs(np.angle(rounded * np.exp(-1j * samples.directions))).max() < half
+    np.testing.assert_array_equal(samples.arriving, samples.leaving.T)
 
 
 def test_the_distance_to_the_cut_is_that_to_the_border(

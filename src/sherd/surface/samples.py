@@ -15,7 +15,7 @@ from sherd.mesh.surface_points import closest_points
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.spectral.geodesics import Geodesics
 from sherd.spectral.sampling import farthest_points
-from sherd.surface.counted import rounded
+from sherd.surface.counted import rounded, steps_of
 from sherd.surface.working import WorkingSurface
 from sherd.threads import cached_property
 
@@ -109,14 +109,25 @@ class Samples:
     @cached_property
     def cells(self) -> Ints:
         """(n,) the sample nearest to each vertex."""
-        nearest: Ints = self.distances.argmin(axis=0)
+        # numpy's own search for the least of each column copies all of them to rows first
+        least = self.distances[0].copy()
+        nearest = np.zeros(len(least), dtype=np.int64)
+        for sample in range(1, len(self)):
+            nearer = np.flatnonzero(self.distances[sample] < least)
+            least[nearer] = self.distances[sample, nearer]
+            nearest[nearer] = sample
         nearest[self.vertices] = np.arange(len(self))
         return nearest
 
     @cached_property
-    def headings(self) -> Singles:
-        """(s, s, 2) cosine and sine of `directions`."""
-        return np.stack([np.cos(self.directions), np.sin(self.directions)], axis=2)
+    def leaving(self) -> NDArray[np.uint8]:
+        """(s, s) `directions` in steps; see :func:`sherd.surface.counted.steps_of`."""
+        return steps_of(self.directions)
+
+    @cached_property
+    def arriving(self) -> NDArray[np.uint8]:
+        """(s, s) `leaving` from the second sample to the first."""
+        return np.ascontiguousarray(self.leaving.T)
 
 
 def dense_samples(working: WorkingSurface, frames: Frames, count: int = DENSE_COUNT) -> Samples:

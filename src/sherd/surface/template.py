@@ -22,7 +22,7 @@ from sherd.surface.counted import counts_of, numbers_of
 from sherd.surface.described import DescribedSurface, Known
 from sherd.surface.samples import Samples
 from sherd.surface.working import WorkingSurface, canonical, joined, working_surface
-from sherd.threads import cached_property
+from sherd.threads import begun, cached_property
 
 __all__ = ["ArrivingTemplate", "Content", "Template", "file_content"]
 
@@ -168,6 +168,7 @@ class ArrivingTemplate(Template):
     def __init__(self, content: Callable[[], Content], path: Path, full: Intake) -> None:
         super().__init__(full)
         self._content, self._path = content, path
+        self._arrived = begun(self._made_of_content)
 
     @property
     def prepared(self) -> bool:
@@ -176,9 +177,15 @@ class ArrivingTemplate(Template):
 
     @cached_property
     def _given(self) -> tuple[WorkingSurface, Known]:
+        return self._arrived()
+
+    def _made_of_content(self) -> tuple[WorkingSurface, Known]:
         content = self._content()
         _intake(content, self._path, self.intake)
-        return _described(content, self.placed)
+        working, known = _described(content, self.placed)
+        if known.dense is not None:  # what all that is asked begins with
+            _ = (known.dense.cells, known.dense.leaving, known.dense.arriving)
+        return working, known
 
 
 def file_content(path: str | os.PathLike[str]) -> Content:

@@ -14,13 +14,13 @@ import numpy as np
 from sherd.arrays import Floats, Ints
 from sherd.compiled import compiled
 from sherd.correspondence.labels.labeling_data import (
-    TURN,
     Comparison,
     FullGeometry,
     PartGeometry,
     State,
     turn_costs,
 )
+from sherd.surface.counted import TURN
 from sherd.threads import over_rows
 
 __all__ = ["best_placed", "guided_turns"]
@@ -76,7 +76,7 @@ def _best_placed(  # noqa: PLR0913
 
 
 @compiled()
-def _misfits(node, guides, part, full, state, comparison, turned, misfit):  # noqa: PLR0913
+def _misfits(node, guides, part, full, state, comparison, turned, misfit):
     """Write the cost (s,) of every label for one node: length and direction from each guide."""
     between, directions = part
     labels, rotations = state
@@ -93,7 +93,7 @@ def _misfits(node, guides, part, full, state, comparison, turned, misfit):  # no
         scale = np.float32(1.0 / (comparison.length_sigma + comparison.stretch_sigma * length))
         distances, leaving = full.between[labels[guide]], full.leaving[labels[guide]]
         angle = directions[guide, node] - rotations[guide]
-        ahead = int(math.floor(angle * (TURN / (2.0 * math.pi)) + 0.5))
+        ahead = math.floor(angle * (TURN / (2.0 * math.pi)) + 0.5)
         for label in range(len(misfit)):
             # labels on other components are infinitely far
             distance = distances[label] if distances[label] < FAR else FAR

@@ -94,8 +94,6 @@ ROUNDS = 8
 LOCAL_LENGTH = 0.25
 # A boundary is crossed by edges to near neighbors; longer ones only say that it lies between.
 FAR_BOUNDARY = 0.1
-# Stands for the distance of labels on different components: farther than anything on one.
-ELSEWHERE_LENGTH = 1e3
 # The local cost of what is placed nowhere: more than any that is placed has.
 NOWHERE_COST = 2.0 * LIMIT + LONGER_LIMIT
 
@@ -182,9 +180,8 @@ class Problem:
     @cached_property
     def full_geometry(self) -> FullGeometry:
         """Distances and directions between the labels, for kernels."""
-        # the square of an infinite length over itself would be no number
-        between = np.minimum(self.labels.between, ELSEWHERE_LENGTH).astype(np.float32, copy=False)
-        return FullGeometry.of(between, self.labels.directions)
+        labels = self.labels
+        return FullGeometry(labels.between, labels.directions, labels.leaving, labels.arriving)
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,15 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sherd.arrays import Floats, Ints, Singles
+from sherd.surface.counted import TURN
 
-__all__ = [
-    "TURN", "Comparison", "EdgeMeasures", "FullGeometry", "PartGeometry", "State", "steps_of",
-    "turn_costs",
-]  # fmt: skip
-
-# Steps of 1.4 degrees: two that are rounded are off by 0.6 together, directions that are right by
-# several, and one may be off by 30. They fit into a byte.
-TURN = 256
+__all__ = ["Comparison", "EdgeMeasures", "FullGeometry", "PartGeometry", "State", "turn_costs"]
 
 
 class Comparison(NamedTuple):
@@ -94,18 +88,6 @@ class FullGeometry(NamedTuple):
     directions: Singles
     leaving: NDArray[np.uint8]
     arriving: NDArray[np.uint8]
-
-    @classmethod
-    def of(cls, between: NDArray[Any], directions: Singles) -> FullGeometry:
-        """By distances and angles (s, s)."""
-        leaving = steps_of(directions).astype(np.uint8)
-        return cls(between, directions, leaving, np.ascontiguousarray(leaving.T))
-
-
-def steps_of(angles: NDArray[np.floating]) -> Ints:
-    """Angles (any shape) in steps of a turn over `TURN`, from 0 on."""
-    steps: Ints = np.rint(angles * (TURN / (2.0 * np.pi))).astype(np.int64) & (TURN - 1)
-    return steps
 
 
 def turn_costs(comparison: Comparison) -> Singles:

@@ -12,12 +12,12 @@ import numpy as np
 from sherd.arrays import Ints, Singles
 from sherd.compiled import compiled
 from sherd.correspondence.labels.labeling_data import (
-    TURN,
     Comparison,
     EdgeMeasures,
     FullGeometry,
     turn_costs,
 )
+from sherd.surface.counted import TURN
 from sherd.threads import over_rows
 
 __all__ = ["labeling_costs", "pass_messages"]
@@ -107,7 +107,7 @@ def _labeling_costs(  # noqa: PLR0913
 @compiled(inline="always")
 def _steps(angle):
     """An angle in steps of a turn over TURN, of which only the last byte counts."""
-    return int(math.floor(angle * (TURN / (2.0 * math.pi)) + 0.5))
+    return math.floor(angle * (TURN / (2.0 * math.pi)) + 0.5)
 
 
 @compiled()
