@@ -76,6 +76,22 @@ def test_a_renamed_tuple_or_a_new_version_gets_a_folder_of_its_own(tmp_path, mon
     assert len(names) == 2
 
 
+def test_all_named_tuples_that_kernels_take_are_hashed() -> None:
+    """Every kernel that takes one imports it, for the types or to document its arguments."""
+    tuples = {
+        path.relative_to(compiled.ROOT).as_posix()
+        for path in compiled.ROOT.rglob("*.py")
+        if "(NamedTuple):" in path.read_text() and not path.stem.endswith("_kernel")
+    }
+    taken = {
+        name
+        for name in tuples
+        for kernel in compiled.ROOT.rglob("*_kernel.py")
+        if f"from sherd.{name[:-3].replace('/', '.')} import" in kernel.read_text()
+    }
+    assert taken == set(compiled.TUPLES)
+
+
 def test_other_users_of_numba_keep_their_settings() -> None:
     import numba  # noqa: PLC0415
 

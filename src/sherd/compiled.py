@@ -28,6 +28,8 @@ __all__ = ["cache_folder", "compiled", "kernel_hash"]
 logger = logging.getLogger(__name__)
 
 ROOT = Path(__file__).parent
+# Other modules that define named tuples which compiled loops take.
+TUPLES = ("correspondence/labels/labeling_data.py", "surface/elastic_surface.py")
 _settings = threading.Lock()
 
 
@@ -86,11 +88,16 @@ def cache_folder() -> Path | None:
 def kernel_hash() -> str:
     """A hash of the sources of compiled loops and of the named tuples that are handed to them."""
     digest = hashlib.sha256()
-    for path in sorted(ROOT.rglob("*.py")):
-        source = path.read_bytes()
-        if path.stem.endswith("_kernel") or b"NamedTuple" in source:
-            digest.update(path.relative_to(ROOT).as_posix().encode() + b"\0" + source)
+    for name in sorted([*_kernels(), *TUPLES]):
+        digest.update(name.encode() + b"\0" + (ROOT / name).read_bytes())
     return digest.hexdigest()[:12]
+
+
+def _kernels() -> Iterator[str]:
+    # every process waits for this: to read all sources takes six times as long
+    for folder, _, files in os.walk(ROOT):
+        inside = Path(folder).relative_to(ROOT)
+        yield from ((inside / name).as_posix() for name in files if name.endswith("_kernel.py"))
 
 
 def _lasting_bases() -> Iterator[Path]:

@@ -21,7 +21,6 @@ from sherd.mesh.sides import bulge
 from sherd.mesh.sizes import check_sizes
 from sherd.output import Stages
 from sherd.region.found import Found
-from sherd.region.integral_matching import locate_by_integrals
 from sherd.region.voting import locate_by_voting
 from sherd.results.keywords import options_of
 from sherd.results.locate_options import LocateKeywords, LocateOptions
@@ -130,6 +129,9 @@ def locate_one_side(
         if options.method == "voting":
             found, chance, featureless = _voted(template, described, options, stages)
         else:
+            # loads slowly, and rarely asked for
+            from sherd.region.integral_matching import locate_by_integrals  # noqa: PLC0415
+
             found = locate_by_integrals(template, described, options, stages)
             chance, featureless = None, False
     with stages("numbering"):

@@ -10,7 +10,13 @@ import click
 from sherd.assemble import assemble
 from sherd.cli.exits import NOT_CONVERGED
 from sherd.cli.first_run import prepare_first_run
-from sherd.cli.inputs import check_piece_outputs, command_line, show_piece_notices, stored_template
+from sherd.cli.inputs import (
+    check_piece_outputs,
+    command_line,
+    show_assembly_notices,
+    show_joined_notices,
+    stored_template,
+)
 from sherd.cli.options import (
     json_option,
     overwrite_option,
@@ -121,7 +127,10 @@ def assemble_command(  # noqa: PLR0913 - one for each word that can be typed
             overwrite=True,  # check_piece_outputs has asked
         )
     stages.close()
-    show_piece_notices(result, quiet=quiet)
+    if isinstance(result, Joined):
+        show_joined_notices(result, quiet=quiet)
+    else:
+        show_assembly_notices(result, quiet=quiet)
     if as_json:
         click.echo(json.dumps(document, indent=2))
     elif not quiet:

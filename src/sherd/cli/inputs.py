@@ -7,7 +7,7 @@ import sys
 from collections.abc import Callable, Iterable, Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 from click.shell_completion import CompletionItem
@@ -16,16 +16,18 @@ from sherd.errors import OutputError
 from sherd.output import require_writable
 from sherd.report.stored.folder import ASSEMBLY_FORMAT, FIT_FORMAT, JOINED_FORMAT
 from sherd.result_folder import NAMES, ResultKind, replaceable_files
-from sherd.results.fitted.fit_result import Fit
-from sherd.results.locate_result import LocateResult
 from sherd.results.match_options import SCALES
-from sherd.results.match_result import MatchResult
-from sherd.results.overlap_result import Overlap
-from sherd.results.puzzle.assembly import Assembly
-from sherd.results.puzzle.joined import Joined
 from sherd.scan.intake import Intake, mesh_intake
 from sherd.surface.template import ArrivingTemplate, Template, file_content
 from sherd.threads import begun
+
+if TYPE_CHECKING:  # each command loads the kind of result that it has, and no other
+    from sherd.results.fitted.fit_result import Fit
+    from sherd.results.locate_result import LocateResult
+    from sherd.results.match_result import MatchResult
+    from sherd.results.overlap_result import Overlap
+    from sherd.results.puzzle.assembly import Assembly
+    from sherd.results.puzzle.joined import Joined
 
 __all__ = [
     "ScaleType",
@@ -34,9 +36,11 @@ __all__ = [
     "check_outputs",
     "check_piece_outputs",
     "command_line",
+    "show_assembly_notices",
     "show_fit_notices",
+    "show_joined_notices",
     "show_notices",
-    "show_piece_notices",
+    "show_overlap_notices",
     "stored_template",
 ]
 
@@ -163,41 +167,39 @@ def _check_free(
         require_writable(template)
 
 
+def show_notices(result: MatchResult | LocateResult, *, quiet: bool) -> None:
+    """Say on standard error what was adapted; called once there is a result it applies to."""
+    shapes = {"full": result.full, "part": result.part}
+    _say(((mesh.name, result.notices[which]) for which, mesh in shapes.items()), quiet=quiet)
+
+
+def show_overlap_notices(result: Overlap, *, quiet: bool) -> None:
+    """As :func:`show_notices`, of two incomplete shapes."""
+    shapes = {"first": result.first, "second": result.second}
+    _say(((mesh.name, result.notices[which]) for which, mesh in shapes.items()), quiet=quiet)
+
+
 def show_fit_notices(result: Fit, *, quiet: bool) -> None:
     """As :func:`show_notices`, of a fit."""
-    if not quiet:
-        _say([(result.full.name, result.notices)])
+    _say([(result.full.name, result.notices)], quiet=quiet)
 
 
-def show_piece_notices(result: Assembly | Joined, *, quiet: bool) -> None:
+def show_assembly_notices(result: Assembly, *, quiet: bool) -> None:
     """As :func:`show_notices`, of a whole and its pieces."""
+    matches = [piece.match for piece in result.pieces if piece.match is not None]
+    said = [(match.part.name, match.notices["part"]) for match in matches]
+    _say([(result.full.name, result.notices), *said], quiet=quiet)
+
+
+def show_joined_notices(result: Joined, *, quiet: bool) -> None:
+    """As :func:`show_notices`, of pieces without a whole."""
+    said = [(p.name, texts) for p, texts in zip(result.pieces, result.notices, strict=True)]
+    _say(said, quiet=quiet)
+
+
+def _say(notices: Iterable[tuple[str, Iterable[str]]], *, quiet: bool) -> None:
     if quiet:
         return
-    if isinstance(result, Joined):
-        said = [(p.name, texts) for p, texts in zip(result.pieces, result.notices, strict=True)]
-    else:
-        said = [(result.full.name, result.notices)]
-        said += [
-            (piece.part.name, piece.match.notices["part"])
-            for piece in result.pieces
-            if piece.match is not None
-        ]
-    _say(said)
-
-
-def show_notices(result: MatchResult | LocateResult | Overlap, *, quiet: bool) -> None:
-    """Say on standard error what was adapted; called once there is a result it applies to."""
-    if quiet:
-        return
-    shapes = (
-        (("first", result.first), ("second", result.second))
-        if isinstance(result, Overlap)
-        else (("full", result.full), ("part", result.part))
-    )
-    _say((mesh.name, result.notices[which]) for which, mesh in shapes)
-
-
-def _say(notices: Iterable[tuple[str, Iterable[str]]]) -> None:
     for name, texts in notices:
         for text in texts:
             note = click.style("note:", fg="yellow")
@@ -212,8 +214,7 @@ def begun_template(path: Path | None, full: Path, *, quiet: bool) -> Callable[[]
     """
     intake = begun(partial(mesh_intake, full))
     if path is not None and path.exists():
-        content = begun(partial(file_content, path))
-        return lambda: ArrivingTemplate(content, path, intake())
+        return lambda: ArrivingTemplate(partial(file_content, path), path, intake())
     return lambda: _new_template(path, intake(), quiet=quiet)
 
 

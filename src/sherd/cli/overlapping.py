@@ -11,7 +11,7 @@ import numpy as np
 
 from sherd.cli.exits import NOT_CONVERGED
 from sherd.cli.first_run import prepare_first_run
-from sherd.cli.inputs import ScaleType, check_outputs, command_line, show_notices
+from sherd.cli.inputs import ScaleType, check_outputs, command_line, show_overlap_notices
 from sherd.cli.options import json_option, overwrite_option, quiet_option, seed_option
 from sherd.cli.tables import read_ignored, read_landmarks
 from sherd.limits import require_seed
@@ -108,7 +108,7 @@ def overlap_command(  # noqa: PLR0913 - one for each word that can be typed
     )
     result, document = overlap_and_write(*shapes, output, options, stages, exports=exports)
     stages.close()
-    show_notices(result, quiet=quiet)
+    show_overlap_notices(result, quiet=quiet)
     if as_json:
         click.echo(json.dumps(document, indent=2))
     elif not quiet:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import base64
+import html
 from collections.abc import Iterable
-from xml.sax.saxutils import quoteattr
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,7 +42,7 @@ def vtp_text(mesh: TriangleMesh, layers: Iterable[Layer]) -> str:
         '<VTKFile type="PolyData" version="1.0" byte_order="LittleEndian" header_type="UInt64">\n'
         f'<PolyData><Piece NumberOfPoints="{mesh.vertex_count}" '
         f'NumberOfPolys="{mesh.face_count}">\n'
-        f"<PointData Scalars={quoteattr(first)}>\n"
+        f'<PointData Scalars="{html.escape(first)}">\n'
         + "".join(_array(name, values) for name, values in arrays.items())
         + "</PointData>\n<Points>\n"
         + _array("Points", mesh.vertices)
@@ -59,6 +59,6 @@ def _array(name: str, values: NDArray[np.generic]) -> str:
     coded = base64.b64encode(len(little).to_bytes(8, "little") + little).decode("ascii")
     components = values.shape[1] if values.ndim == 2 else 1
     return (
-        f'<DataArray type="{kind}" Name={quoteattr(name)} NumberOfComponents="{components}" '
+        f'<DataArray type="{kind}" Name="{html.escape(name)}" NumberOfComponents="{components}" '
         f'format="binary">{coded}</DataArray>\n'
     )

@@ -31,12 +31,18 @@ def counts_of(values: Singles) -> tuple[NDArray[np.int16], float]:
     values
         Finite or +inf, not nan.
     """
-    finite = np.isfinite(values)
-    largest = float(np.abs(values[finite]).max(initial=0.0))
-    step = max(LEAST_STEP, 2.0 ** np.ceil(np.log2(largest / MOST))) if largest > 0 else 1.0
+    step = _step_of(values)
     counts = np.full(values.shape, INFINITE, dtype=np.int16)
-    np.rint(values / np.float32(step), out=counts, where=finite, casting="unsafe")
-    return counts, float(step)
+    np.rint(values / np.float32(step), out=counts, where=np.isfinite(values), casting="unsafe")
+    return counts, step
+
+
+def _step_of(values: Singles) -> float:
+    # no copy of the finite ones: these arrays are the largest of all
+    finite = np.isfinite(values)
+    largest = values.max(where=finite, initial=0.0), -values.min(where=finite, initial=0.0)
+    most = float(max(largest))
+    return float(max(LEAST_STEP, 2.0 ** np.ceil(np.log2(most / MOST)))) if most > 0 else 1.0
 
 
 def numbers_of(counts: NDArray[np.int16], step: float) -> Singles:
@@ -49,7 +55,12 @@ def numbers_of(counts: NDArray[np.int16], step: float) -> Singles:
 
 def rounded(values: Singles) -> Singles:
     """`values` with the bits that they have once they were stored as counts."""
-    return numbers_of(*counts_of(values))
+    step = np.float32(_step_of(values))
+    result: Singles = values / step  # a power of two: nothing is lost
+    np.rint(result, out=result)
+    result *= step
+    result += np.float32(0.0)  # counts know no negative zero
+    return result
 
 
 def steps_of(angles: NDArray[np.floating]) -> NDArray[np.uint8]:

@@ -158,7 +158,7 @@ class ArrivingTemplate(Template):
     Parameters
     ----------
     content
-        Waits for the content of the file and raises what kept it from being read.
+        Reads the content of the file; raises what keeps it from being read.
     path
         The file, for errors.
     full

@@ -20,7 +20,6 @@ from sherd.correspondence.labels.labeling_data import (
     State,
     turn_costs,
 )
-from sherd.surface.counted import TURN
 from sherd.threads import over_rows
 
 __all__ = ["best_placed", "guided_turns"]
@@ -93,14 +92,14 @@ def _misfits(node, guides, part, full, state, comparison, turned, misfit):
         scale = np.float32(1.0 / (comparison.length_sigma + comparison.stretch_sigma * length))
         distances, leaving = full.between[labels[guide]], full.leaving[labels[guide]]
         angle = directions[guide, node] - rotations[guide]
-        ahead = math.floor(angle * (TURN / (2.0 * math.pi)) + 0.5)
+        ahead = math.floor(angle * (len(turned) / (2.0 * math.pi)) + 0.5)
         for label in range(len(misfit)):
             # labels on other components are infinitely far
             distance = distances[label] if distances[label] < FAR else FAR
             off = (distance - length) * scale
             limit = longer if off > zero else shorter
             cost = off * off / (one + off * off / limit)
-            cost += half * turned[(leaving[label] - ahead) & (TURN - 1)]
+            cost += half * turned[(leaving[label] - ahead) & (len(turned) - 1)]
             misfit[label] += near * cost
 
 

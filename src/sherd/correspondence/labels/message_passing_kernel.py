@@ -17,7 +17,6 @@ from sherd.correspondence.labels.labeling_data import (
     FullGeometry,
     turn_costs,
 )
-from sherd.surface.counted import TURN
 from sherd.threads import over_rows
 
 __all__ = ["labeling_costs", "pass_messages"]
@@ -74,7 +73,7 @@ def _labeling_costs(  # noqa: PLR0913
     rows, edges, measures, labels, rotations, directions, full, comparison, turned, costs
 ):
     # what lies scattered in memory is gathered first: then the loops run in vector lanes
-    count = labels.shape[1]
+    count, steps = labels.shape[1], len(turned)
     off, fit = np.empty(count, np.float32), np.empty(count, np.float32)
     back = np.empty(count, np.int64)
     for edge in range(rows[0], rows[1]):
@@ -85,7 +84,7 @@ def _labeling_costs(  # noqa: PLR0913
         bound = np.float32((length - lower) * scale)
         weight = np.float32(measures.weight[edge])
         for b in range(count):
-            back[b] = _steps(directions[edge, 1] - rotations[second, b])
+            back[b] = _steps(directions[edge, 1] - rotations[second, b], steps)
         for a in range(count):
             at = labels[first, a]
             for b in range(count):
@@ -93,11 +92,11 @@ def _labeling_costs(  # noqa: PLR0913
                 off[b] = (min(distance, FAR) - np.float32(length)) * scale
             _length_costs(off, measures.equality[edge], bound, comparison, fit)
             if turn > 0.0:
-                ahead = _steps(directions[edge, 0] - rotations[first, a])
+                ahead = _steps(directions[edge, 0] - rotations[first, a], steps)
                 for b in range(count):
                     to = labels[second, b]
-                    there = turned[(full.leaving[at, to] - ahead) & (TURN - 1)]
-                    home = turned[(full.arriving[at, to] - back[b]) & (TURN - 1)]
+                    there = turned[(full.leaving[at, to] - ahead) & (steps - 1)]
+                    home = turned[(full.arriving[at, to] - back[b]) & (steps - 1)]
                     # at one and the same place there is no direction: wrong, but wrong once
                     fit[b] += turn * (np.float32(comparison.limit) if at == to else there + home)
             for b in range(count):
@@ -105,9 +104,9 @@ def _labeling_costs(  # noqa: PLR0913
 
 
 @compiled(inline="always")
-def _steps(angle):
-    """An angle in steps of a turn over TURN, of which only the last byte counts."""
-    return math.floor(angle * (TURN / (2.0 * math.pi)) + 0.5)
+def _steps(angle, turn):
+    """An angle in steps, of which a turn has so many, a power of two; by its last bits only."""
+    return math.floor(angle * (turn / (2.0 * math.pi)) + 0.5)
 
 
 @compiled()
