@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gc
 import importlib
+import sys
 from typing import Any
 
 import click
@@ -12,6 +13,11 @@ from sherd._version import __version__
 from sherd.cli.exits import ReportingGroup
 
 __all__ = ["main"]
+
+# Seconds after which a thread that interprets lets another one do so. What computes on the other
+# core does for moments only, and by default waits 5 ms for each while modules are loaded: with
+# this a `locate` takes 4 % less (five runs each, in turn).
+SWITCH = 2e-4
 
 # name: (module, function, first line of its help, repeated here so that help loads nothing)
 COMMANDS = {
@@ -68,6 +74,7 @@ class _LazyGroup(ReportingGroup):
         if cmd_name not in COMMANDS:
             return None
         module, name, _ = COMMANDS[cmd_name]
+        sys.setswitchinterval(SWITCH)
         # what a thousand modules make stays: to look for garbage in it is a tenth of their time
         gc.disable()
         try:
