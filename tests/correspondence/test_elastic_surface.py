@@ -18,7 +18,11 @@ from sherd.surface.elastic_surface import ElasticSurface
 
 @pytest.fixture(scope="module")
 def ball() -> TriangleMesh:
-    mesh = trimesh.creation.icosphere(subdivisions=3)
+    return ball_of(3)
+
+
+def ball_of(subdivisions: int) -> TriangleMesh:
+    mesh = trimesh.creation.icosphere(subdivisions=subdivisions)
     x, y, z = mesh.vertices.T
     shape = TriangleMesh(mesh.vertices * (1 + 0.2 * x * y + 0.1 * z)[:, None], mesh.faces)
     return shape.with_vertices(shape.vertices / shape.length)
@@ -76,6 +80,21 @@ def test_closest_points_agree_with_the_search_without_normals(ball: TriangleMesh
     assert np.allclose(found, other, atol=1e-9)
 
 
+def test_positions_that_move_are_followed(ball: TriangleMesh) -> None:
+    """Some by a little, some by much, once and again."""
+    rng = np.random.default_rng(3)
+    finder = SurfaceFinder(ball)
+    follower = finder.follower()
+    here = ball.vertices.copy()
+    for step in (0.0, 1e-3, 2e-3, 1e-3, 0.1, 1e-3):
+        moving = rng.random(ball.vertex_count) < 0.7
+        here[moving] += step * rng.normal(size=(int(moving.sum()), 3))
+        up = here / np.linalg.norm(here, axis=1, keepdims=True)
+        followed, found = follower.closest(here, up), finder.closest(here, up)
+        off = followed.positions(ball) - found.positions(ball)
+        assert np.abs(off).max() < 1e-12
+
+
 def test_of_two_sheets_the_one_that_faces_the_right_way_is_taken() -> None:
     sheet = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]])
     mesh = TriangleMesh(
@@ -84,6 +103,16 @@ def test_of_two_sheets_the_one_that_faces_the_right_way_is_taken() -> None:
     point, up = np.array([[0.2, 0.2, 0.004]]), np.array([[0.0, 0.0, 1.0]])
     assert SurfaceFinder(mesh).closest(point, up).faces[0] == 0
     assert SurfaceFinder(mesh).closest(point, -up).faces[0] == 1
+
+
+@pytest.mark.parametrize("subdivisions", [2, 3, 4, 5])
+def test_a_surface_of_any_fineness_covers_all_it_lies_on(subdivisions: int) -> None:
+    """Each vertex by its own area, of a mesh that it is coarser or finer than."""
+    mesh, other = ball_of(4), ball_of(subdivisions)
+    areas = SurfaceFinder(mesh).covered_areas(other.vertices, other.faces)
+    assert areas.sum() == pytest.approx(other.area)
+    off = areas / mesh.vertex_areas - 1
+    assert np.quantile(np.abs(off), 0.95) < 0.35
 
 
 def test_a_cap_covers_its_own_vertices(ball: TriangleMesh) -> None:

@@ -29,6 +29,29 @@ def test_every_region_of_a_triangle():
         np.testing.assert_allclose(distance, sampled, atol=0.05)
 
 
+def test_of_large_and_small_triangles_the_closest_is_found():
+    """Though most are ruled out by the balls around them."""
+    rng = np.random.default_rng(4)
+    corners = rng.normal(size=(30, 1, 3)) + rng.normal(size=(30, 3, 3)) * 10.0 ** rng.uniform(
+        -3, 1, size=(30, 1, 1)
+    )
+    mesh = TriangleMesh(corners.reshape(-1, 3), np.arange(90).reshape(-1, 3))
+    positions = 2 * rng.normal(size=(200, 3))
+    found = closest_points(mesh, positions, neighbors=30)
+    alone = [
+        np.linalg.norm(
+            closest_points(TriangleMesh(each, [[0, 1, 2]]), positions).positions(
+                TriangleMesh(each, [[0, 1, 2]])
+            )
+            - positions,
+            axis=1,
+        )
+        for each in corners
+    ]
+    distance = np.linalg.norm(found.positions(mesh) - positions, axis=1)
+    np.testing.assert_allclose(distance, np.min(alone, axis=0), rtol=1e-12)
+
+
 def test_triangles_without_area_have_closest_points_too():
     rng = np.random.default_rng(2)
     line = np.outer(rng.random(3), rng.normal(size=3))

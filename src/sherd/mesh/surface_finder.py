@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
 from scipy.spatial import cKDTree
 
@@ -18,15 +20,15 @@ __all__ = ["SurfaceFinder", "SurfaceFollower"]
 NORMAL_SCALE = 0.03
 # Faces searched around each position; exact where triangles are not much longer than wide.
 NEAR_FACES = 12
-# The near faces reach about two radii of a face around a position; when it has moved by less than a
-# third of one (normals counted as in the search) the closest is still among them.
-FOLLOWED = 0.3
+# The faces near a position are searched anew when it has moved by so much of the distance to the
+# farthest of them (normals counted as in the search): until then its closest face is among them.
+FOLLOWED = 0.15
 # Samples per vertex area, each shared by three vertices: a vertex sees a dozen.
 SAMPLES = 4
 MOST_DIVISIONS = 16
-# Samples of a face that is divided by so much lie within an edge of this mesh around its center, so
-# the faces near the center are near all of them.
-TOGETHER = 3
+# Positions within so much of the distance to the farthest of the near faces around their middle
+# have their closest face among these.
+TOGETHER = 0.5
 # Of a vertex's area, from which on it is covered.
 HALF = 0.5
 
@@ -38,11 +40,6 @@ class SurfaceFinder:
     ----------
     mesh
         The surface, in the template's unit.
-
-    Attributes
-    ----------
-    face_radius
-        Mean radius of the balls around faces.
     """
 
     def __init__(self, mesh: TriangleMesh) -> None:
@@ -51,22 +48,32 @@ class SurfaceFinder:
         self._balls = face_balls(self._corners)
         self._normals = mesh.face_normals
         self._faces = _tree(self._balls[:, :3], self._normals)
-        self.face_radius = float(self._balls[:, 3].mean()) if len(self._balls) else 0.0
 
     def closest(self, positions: Floats, normals: Floats) -> SurfacePoints:
         """The closest point to each position (p, 3) whose surface has normal (p, 3)."""
-        return self._closest_in_groups(positions, positions, normals)
+        return _joined(
+            self.closest_among(
+                self.near_faces(positions[rows], normals[rows])[0], positions[rows], normals[rows]
+            )
+            for rows in _blocks(len(positions))
+        )
 
     def follower(self) -> SurfaceFollower:
         """Closest points of positions that move from one question to the next."""
         return SurfaceFollower(self)
 
-    def near_faces(self, positions: Floats, normals: Floats) -> Ints:
-        """Faces (p, k) near each position (p, 3) that look about as its normal (p, 3) does."""
+    def near_faces(self, positions: Floats, normals: Floats) -> tuple[Ints, Floats]:
+        """Faces (p, k) near each position (p, 3) that look about as its normal (p, 3) does.
+
+        And how far away (p,) the farthest of them is, a normal counting as NORMAL_SCALE.
+        """
         count = min(NEAR_FACES, self.mesh.face_count)
         query = _with_normals(positions, normals)
-        near: Ints = self._faces.query(query, k=count, workers=-1)[1].reshape(-1, count)
-        return near
+        away, near = (
+            np.reshape(found, (-1, count))
+            for found in self._faces.query(query, k=count, workers=-1)
+        )
+        return near, away[:, -1]
 
     def closest_among(self, near: Ints, positions: Floats, normals: Floats) -> SurfacePoints:
         """As :meth:`closest`, among the faces `near` (g, k), each row for p / g positions in turn.
@@ -81,28 +88,25 @@ class SurfaceFinder:
         found = closest_on_faces(positions, near, self._corners, self._balls, penalty)
         return SurfacePoints(*found)
 
-    def _closest_in_groups(
-        self, positions: Floats, centers: Floats, normals: Floats
-    ) -> SurfacePoints:
-        """The same for groups in turn of p / g positions around each center (g, 3) with its normal.
+    def _closest_to_groups(self, groups: Floats, normals: Floats) -> SurfacePoints:
+        """The closest points, in turn, to groups (g, q, 3) of positions with one normal (g, 3).
 
-        The faces near the center are searched for all of its group.
+        Positions that lie close together have the same near faces: they are searched for once,
+        around the middle of the group.
         """
-        served = len(positions) // max(len(centers), 1)
-        found = [
-            self.closest_among(
-                self.near_faces(centers[groups], normals[groups]),
-                positions[served * groups.start : served * groups.stop],
-                normals[groups],
-            )
-            for groups in (slice(k, k + BLOCK) for k in range(0, max(len(centers), 1), BLOCK))
-        ]
-        if len(found) == 1:
-            return found[0]
-        return SurfacePoints(
-            np.concatenate([points.faces for points in found]),
-            np.concatenate([points.barycentric for points in found]),
-        )
+        middles = groups.mean(axis=1)
+        near, reach = self.near_faces(middles, normals)
+        spread = lengths((groups - middles[:, None]).reshape(-1, 3)).reshape(groups.shape[:2])
+        wide = np.flatnonzero(spread.max(axis=1) > TOGETHER * reach)
+        points = self.closest_among(near, groups.reshape(-1, 3), normals)
+        if not len(wide):
+            return points
+        number = groups.shape[1]
+        alone = self.closest(groups[wide].reshape(-1, 3), np.repeat(normals[wide], number, axis=0))
+        faces, weights = points.faces.copy(), points.barycentric.copy()
+        rows = (wide[:, None] * number + np.arange(number)).ravel()
+        faces[rows], weights[rows] = alone.faces, alone.barycentric
+        return SurfacePoints(faces, weights)
 
     def covered_areas(self, positions: Floats, faces: Ints) -> Floats:
         """How much of a surface (p, 3), (f, 3) lies at each vertex, (n,) area.
@@ -121,12 +125,11 @@ class SurfaceFinder:
         for division in np.unique(divisions):
             rows = np.flatnonzero(divisions == division)
             grid = _subtriangle_centers(int(division))
-            samples = np.einsum("gk,fkc->fgc", grid, corners[rows]).reshape(-1, 3)
-            if division <= TOGETHER:
-                centers, up = corners[rows].mean(axis=1), normals[rows]
-            else:
-                centers, up = samples, np.repeat(normals[rows], len(grid), axis=0)
-            points = self._closest_in_groups(samples, centers, up)
+            samples = np.einsum("gk,fkc->fgc", grid, corners[rows])
+            points = _joined(
+                self._closest_to_groups(samples[block], normals[rows[block]])
+                for block in _blocks(len(rows))
+            )
             share = np.repeat(areas[rows] / len(grid), len(grid))
             corners_hit = self.mesh.faces[points.faces]
             parts = points.barycentric * share[:, None]
@@ -159,19 +162,37 @@ class SurfaceFollower:
     def __init__(self, finder: SurfaceFinder) -> None:
         self._finder = finder
         self._near = np.empty((0, 0), dtype=np.int64)
-        self._searched = np.empty((0, 6))
+        self._reach, self._searched = np.empty(0), np.empty((0, 6))
 
     def closest(self, positions: Floats, normals: Floats) -> SurfacePoints:
         """As :meth:`SurfaceFinder.closest`, for as many positions (p, 3) each time."""
         here = _with_normals(positions, normals)
         if not len(self._searched):
-            self._near, self._searched = self._finder.near_faces(positions, normals), here
+            self._searched = here
+            self._near, self._reach = self._finder.near_faces(positions, normals)
         else:
-            least = FOLLOWED * self._finder.face_radius
-            moved = np.flatnonzero(((here - self._searched) ** 2).sum(axis=1) > least**2)
-            self._near[moved] = self._finder.near_faces(positions[moved], normals[moved])
+            off = ((here - self._searched) ** 2).sum(axis=1)
+            moved = np.flatnonzero(off > (FOLLOWED * self._reach) ** 2)
             self._searched[moved] = here[moved]
+            self._near[moved], self._reach[moved] = self._finder.near_faces(
+                positions[moved], normals[moved]
+            )
         return self._finder.closest_among(self._near, positions, normals)
+
+
+def _blocks(count: int) -> list[slice]:
+    """Slices of rows that are searched at once, at least one."""
+    return [slice(start, start + BLOCK) for start in range(0, max(count, 1), BLOCK)]
+
+
+def _joined(found: Iterable[SurfacePoints]) -> SurfacePoints:
+    every = list(found)
+    if len(every) == 1:
+        return every[0]
+    return SurfacePoints(
+        np.concatenate([points.faces for points in every]),
+        np.concatenate([points.barycentric for points in every]),
+    )
 
 
 def _tree(places: Floats, normals: Floats) -> cKDTree:
