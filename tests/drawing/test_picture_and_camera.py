@@ -10,7 +10,7 @@ from PIL import Image
 from scipy.spatial.transform import Rotation
 
 from sherd.drawing.alignment import rotation_to_full
-from sherd.drawing.camera import best_view, orbit_view, orientation, upward
+from sherd.drawing.camera import best_view, orbit_view, upward
 from sherd.drawing.color_bar import ticks
 from sherd.drawing.exhibit import Exhibit, Layer
 from sherd.drawing.picture import picture, png_bytes, stage, write_picture
@@ -190,11 +190,11 @@ def test_part_is_turned_onto_its_place(exhibit):
 
 def test_inverted_mesh_is_noticed(exhibit):
     full = exhibit.full
-    assert orientation(full) == 1
-    assert orientation(TriangleMesh(full.vertices, full.faces[:, ::-1])) == -1
+    assert full.winding == 1
+    assert TriangleMesh(full.vertices, full.faces[:, ::-1]).winding == -1
     mixed = full.faces.copy()
     mixed[:100] = mixed[:100, ::-1]
-    assert orientation(TriangleMesh(full.vertices, mixed)) == 0
+    assert TriangleMesh(full.vertices, mixed).winding == 0
 
 
 def test_ticks_are_round_and_inside():

@@ -9,11 +9,10 @@ import numpy as np
 from scipy.spatial import ConvexHull, QhullError, cKDTree
 
 from sherd.arrays import Bools, Floats
-from sherd.mesh.topology import half_edges
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.threads import side_by_side
 
-__all__ = ["View", "best_view", "orbit_view", "orientation", "upward"]
+__all__ = ["View", "best_view", "orbit_view", "upward"]
 
 
 # Twelve ways around, three heights: near enough to the best side for a first look.
@@ -118,20 +117,6 @@ def best_view(mesh: TriangleMesh, region: Bools, up: Floats) -> View:
         if score > best_score + 1e-12:
             best, best_score = View(rotation, visible), score
     return best
-
-
-def orientation(mesh: TriangleMesh) -> int:
-    """Say which way faces run seen from outside: 1 counterclockwise, -1 clockwise, 0 mixed.
-
-    Judged by the volume they enclose, and by edges that two faces run along in one direction.
-    """
-    directed = half_edges(mesh.faces)
-    keys = directed[:, 0] * mesh.vertex_count + directed[:, 1]
-    keys.sort()
-    if (keys[1:] == keys[:-1]).any():
-        return 0
-    a, b, c = (mesh.vertices - mesh.vertices.mean(axis=0))[mesh.faces.T]
-    return -1 if np.einsum("mx,mx->", a, np.cross(b, c)) < 0 else 1
 
 
 def _preview(mesh: TriangleMesh, region: Bools) -> tuple[TriangleMesh, Bools]:

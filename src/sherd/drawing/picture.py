@@ -12,7 +12,7 @@ from PIL import Image, ImageDraw, ImageFont
 
 from sherd.arrays import Floats
 from sherd.drawing.alignment import rotation_to_full
-from sherd.drawing.camera import View, best_view, orientation, upward
+from sherd.drawing.camera import View, best_view, upward
 from sherd.drawing.color_bar import draw_legend
 from sherd.drawing.colors import full_layer, layer_colors, part_layer
 from sherd.drawing.exhibit import Exhibit, Layer
@@ -227,7 +227,7 @@ def _rendered(panel: _Panel, size: tuple[int, int], pixels: float) -> Image.Imag
     placed = mesh.vertices @ panel.rotation.T
     placed = (placed - (placed.min(axis=0) + placed.max(axis=0)) / 2) * pixels
     normals, faces = mesh.vertex_normals @ panel.rotation.T, mesh.faces
-    facing = orientation(mesh)
+    facing = mesh.winding
     if facing < 0:
         normals, faces = -normals, np.ascontiguousarray(faces[:, ::-1])
     image = shaded_image(

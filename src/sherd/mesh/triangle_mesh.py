@@ -126,6 +126,20 @@ class TriangleMesh(FrozenState):
         return float(np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1).mean())
 
     @cached_property
+    def winding(self) -> int:
+        """Which way faces run seen from outside: 1 counterclockwise, -1 clockwise, 0 mixed.
+
+        Judged by the volume they enclose, and by edges that two faces run along in one direction.
+        """
+        directed = topology.half_edges(self.faces)
+        keys = directed[:, 0] * self.vertex_count + directed[:, 1]
+        keys.sort()
+        if (keys[1:] == keys[:-1]).any():
+            return 0
+        a, b, c = (self.vertices - self.vertices.mean(axis=0))[self.faces.T]
+        return -1 if np.einsum("mx,mx->", a, geometry.cross(b, c)) < 0 else 1
+
+    @cached_property
     def boundary_vertices(self) -> Ints:
         """Indices of the vertices on an edge with one face only, ascending."""
         return frozen(np.unique(topology.boundary_edges(self.faces)))

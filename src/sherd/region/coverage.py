@@ -18,8 +18,8 @@ __all__ = ["covered_region", "smoothed"]
 # Smoothing length in sqrt(area of the full shape): the vertex spacing of a 10,000-vertex mesh. It
 # closes the gaps that single vertices leave and rounds nothing that such a mesh can show.
 WIDTH = 0.01
-# Lengths of decay, width / sqrt(2), after which the border of the mask is felt by 1e-6 only.
-BAND = 14.0
+# Lengths of decay, width / sqrt(2), after which the border of the mask is felt by 1e-5 only.
+BAND = 12.0
 
 
 def covered_region(full: TriangleMesh, covered: Bools, area: float) -> tuple[Floats, Bools]:

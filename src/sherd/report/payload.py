@@ -14,7 +14,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sherd.arrays import Bools, Floats, Ints
-from sherd.drawing.camera import orientation
 from sherd.drawing.colors import (
     CATEGORY_COLORS,
     MASK_COLORS,
@@ -168,7 +167,7 @@ def _shape(
         "faces": block.add(mesh.faces, 4),
         "numbers": None if numbers is None else block.add(numbers, 4),
         "owners": None if owners is None else block.add(owners, 4),
-        "orientation": orientation(mesh),
+        "orientation": mesh.winding,
         "rotation": rotation.ravel().tolist(),
     }
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from sherd.arrays import Bools, Floats
-from sherd.mesh.geometry import face_cross
+from sherd.mesh.geometry import face_cross, lengths
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
 
@@ -33,8 +33,8 @@ def edge_stretch(
     tiny = TINY * full.length
     image = points.positions(full)
     first, second = part.edges.T
-    before = np.linalg.norm(part.vertices[second] - part.vertices[first], axis=1) * scale
-    after = np.linalg.norm(image[second] - image[first], axis=1)
+    before = lengths(part.vertices[second] - part.vertices[first]) * scale
+    after = lengths(image[second] - image[first])
     stretch: Floats = np.log(np.maximum(after, tiny) / np.maximum(before, tiny))
     return stretch
 

@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sherd.arrays import Floats
-from sherd.drawing.camera import orientation
 from sherd.drawing.colors import layer_colors
 from sherd.drawing.exhibit import Layer
 from sherd.errors import OptionError
@@ -61,7 +60,7 @@ def shape_image(
     pixels = float(np.min(np.array(size) * (1 - 2 * MARGIN) / extent))
     placed = (placed - (placed.min(axis=0) + placed.max(axis=0)) / 2) * pixels
     normals, faces = mesh.vertex_normals @ rotation.T, mesh.faces
-    facing = orientation(mesh)
+    facing = mesh.winding
     if facing < 0:
         normals, faces = -normals, np.ascontiguousarray(faces[:, ::-1])
     image = shaded_image(
