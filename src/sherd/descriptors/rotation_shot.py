@@ -155,11 +155,11 @@ def pooled_similarity(
 def _compared(full_spectra: Singles, part_spectra: Singles) -> Iterator[tuple[slice, Singles]]:
     """Slices of the part points, and the 8 numbers (8, q', n) that rotations are made from.
 
-    All blocks are written to one place of 16 MB, so a slice must be used before the next is asked
+    All blocks are written to one place of 8 MB, so a slice must be used before the next is asked
     for; one BLAS thread for each product keeps the bits independent of the number of cores.
     """
     count, vertices = part_spectra.shape[1], full_spectra.shape[1]
-    block = max(1, int(5e5) // max(vertices, 1))
+    block = max(1, int(2.5e5) // max(vertices, 1))
     memory = np.empty(AZIMUTHS * min(block, count) * vertices, dtype=np.float32)
     half = part_spectra.shape[2] // 2
     widths = [2 * half if k in _IMAGINARY else half for k in _REAL]

@@ -21,9 +21,9 @@ __all__ = ["Geodesics"]
 BEHIND = 2.0
 
 
-# Distances from so many sources are float64 at once: 20 MB for 10,000 vertices. A multiple of what
+# Distances from so many sources are float64 at once: 10 MB for 10,000 vertices. A multiple of what
 # the compiled loop takes together on every core.
-BLOCK = 256
+BLOCK = 128
 
 
 class Geodesics:
