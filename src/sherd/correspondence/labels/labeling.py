@@ -181,7 +181,8 @@ class Problem:
     def full_geometry(self) -> FullGeometry:
         """Distances and directions between the labels, for kernels."""
         labels = self.labels
-        return FullGeometry(labels.between, labels.directions, labels.leaving, labels.arriving)
+        between = labels.between.astype(np.float32, copy=False)  # or loops are compiled once more
+        return FullGeometry(between, labels.directions, labels.leaving, labels.arriving)
 
 
 @dataclass(frozen=True, eq=False)
