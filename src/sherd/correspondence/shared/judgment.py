@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from functools import partial
 
 import numpy as np
@@ -12,10 +11,10 @@ from sherd.arrays import Floats, Ints
 from sherd.correspondence.confidence import LEAST, MOST, confidences
 from sherd.correspondence.labels.two_way import Both, TwoLabelings
 from sherd.correspondence.question import Question
-from sherd.correspondence.shared.region_cut import seam_lengths, shared_regions
+from sherd.correspondence.shared.open_border import open_seam, other_goes_on
+from sherd.correspondence.shared.region_cut import shared_regions
 from sherd.correspondence.shared.two_way_placement import (
     SharedPlacement,
-    other_goes_on,
     sharing_cost,
 )
 from sherd.correspondence.unfollowed import FOLLOWED
@@ -32,7 +31,6 @@ __all__ = [
     "MIRROR_CHANCE",
     "logarithm_apart",
     "mirror_is_better",
-    "open_seam",
     "overlap_chance",
     "shared_confidence",
     "strain_curve",
@@ -48,8 +46,6 @@ MOST_APART = 0.3
 # Distances between both directions, in sqrt(area), are told apart from the spacing of vertices on
 # 50,000 up to the width of a neighborhood; their logarithm counts, from the spacing on 10,000.
 APART, LEAST_APART, LARGEST_APART = 0.01, 0.002, 0.05
-# The whole border of a square is four times the root of its area; half of it open says all.
-MOST_OPEN = 2.0
 # A logistic regression over 61 pairs, wrong ones counting twice: 35 of cuts of a generated animal
 # and of three animated ones with cuts of themselves in another pose and of others, the wrong ones
 # those that were hardest to tell, every second pair of SMAL and every second single view. Right is
@@ -108,7 +104,10 @@ def overlap_chance(
     much the mirror image is more alike, if it is; and how much of the border of what is shared is
     open, on the shape where it is more.
     """
-    is_open = max(open_seam(questions[0], placements[0]), open_seam(questions[1], placements[1]))
+    is_open = max(
+        open_seam(question, place.trip, place.shared)
+        for question, place in zip(questions, placements, strict=True)
+    )
     features = np.array(
         [
             1.0,
@@ -127,24 +126,6 @@ def logarithm_apart(questions: Both[Question], placements: Both[SharedPlacement]
     """How far apart both directions were, on average over what is shared; as a feature."""
     apart = 0.5 * (_apart(questions[0], placements[0]) + _apart(questions[1], placements[1]))
     return float(np.log(np.clip(apart, LEAST_APART, LARGEST_APART) / APART))
-
-
-def open_seam(question: Question, place: SharedPlacement) -> float:
-    """How much of the border of what is shared lies where neither shape ends, at most `MOST_OPEN`.
-
-    Its length over the root of the shared area. Both shapes are cut from something whole, so what
-    they share ends where either ends; a place that is wrong, or of which much is left out, ends
-    anywhere. Nothing shared is as open as can be.
-    """
-    mesh = question.part.mesh
-    area = float(mesh.vertex_areas @ place.shared)
-    if area <= 0:
-        return MOST_OPEN
-    first, second = mesh.edges.T
-    at = np.flatnonzero(place.shared[first] != place.shared[second])
-    inner = np.where(place.shared[first], first, second)[at]
-    length = float(seam_lengths(mesh)[at][other_goes_on(question, place.trip)[inner]].sum())
-    return min(length / math.sqrt(area), MOST_OPEN)
 
 
 def mirror_is_better(first_ratio: float, mirrored_ratio: float) -> bool:
