@@ -30,7 +30,7 @@ from sherd.correspondence.shared.hints import (
     pins_on,
 )
 from sherd.correspondence.shared.judgment import (
-    MIRROR_CHANCE,
+    likeness_of_both,
     mirror_is_better,
     overlap_chance,
     shared_confidence,
@@ -186,9 +186,9 @@ def shared_by(
         energy / max(by_chance, 1e-12)
         for energy, by_chance in zip(image_energies(), labelings.chance, strict=True)
     )
-    chance = overlap_chance(labelings, mirrored, questions, placements)
-    twin = mirror_is_better(labelings.first_ratio, mirrored)
-    chance = min(chance, MIRROR_CHANCE) if twin else chance
+    likeness = likeness_of_both(questions, placements)
+    chance = overlap_chance(labelings, mirrored, likeness, questions, placements)
+    twin = mirror_is_better(labelings.first_ratio, mirrored, likeness)
     result = Overlap(
         first=intakes[0].original,
         second=intakes[1].original,
