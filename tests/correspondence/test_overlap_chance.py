@@ -7,7 +7,11 @@ from types import SimpleNamespace
 import pytest
 
 from sherd.correspondence.shared import judgment
-from sherd.correspondence.shared.judgment import mirror_is_better, overlap_chance
+from sherd.correspondence.shared.judgment import (
+    mirror_is_better,
+    mirror_says_something,
+    overlap_chance,
+)
 from sherd.correspondence.shared.likeness import Likeness
 
 WELL = {
@@ -60,13 +64,14 @@ def test_a_limb_of_the_other_side_is_not_believed_however_well_it_agrees() -> No
     """As far as measured: the mirror image of a leg is better by 0.07 and more."""
     sure = {"agreement": 1.0, "lack": 0.05, "open": 0.0, "leading": 0.85}
     assert chance(**sure, mirrored=0.4, handed=0.58) < 0.2
-    assert mirror_is_better(0.7, 0.5, Likeness(0.02, 0.8, 0.58))
-    assert not mirror_is_better(0.7, 0.68, Likeness(0.02, 0.8, 0.58))
+    assert mirror_is_better(0.7, 0.5)
+    assert not mirror_is_better(0.7, 0.68)
 
 
-def test_a_body_whose_mirror_image_lies_as_well_elsewhere_is_believed() -> None:
-    assert chance(lack=0.07, leading=0.9, mirrored=0.4, handed=0.75) > 0.65
-    assert not mirror_is_better(0.7, 0.5, Likeness(0.02, 0.8, 0.75))
+def test_the_mirror_image_is_asked_where_places_do_not_say_which_side_it_is() -> None:
+    assert mirror_says_something(Likeness(0.02, 0.8, 0.58))
+    assert not mirror_says_something(Likeness(0.02, 0.8, 0.75))
+    assert not mirror_says_something(None)
 
 
 def test_a_chance_is_never_certain() -> None:

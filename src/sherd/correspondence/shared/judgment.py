@@ -30,6 +30,7 @@ __all__ = [
     "MIRROR_CHANCE",
     "likeness_of_both",
     "mirror_is_better",
+    "mirror_says_something",
     "overlap_chance",
     "shared_confidence",
     "strain_curve",
@@ -42,25 +43,26 @@ NEIGHBORS = 8
 # Beyond this two placements disagree, and not more.
 MOST_APART = 0.3
 
-# A logistic regression over 45 pairs, wrong ones counting twice: 18 of cuts of a generated animal
+# A logistic regression over 46 pairs, wrong ones counting twice: 20 of cuts of a generated animal
 # and of animated ones with cuts of themselves in another pose and of others, half of the wrong ones
 # legs on other legs, every second pair of SMAL and every second single view. Right is an error
-# below 0.05, over what is shared and over what is matched, wrong one above 0.1 and 0.05. Of the 22
-# wrong ones none is above 0.40, of the 23 right ones 4 are below 0.65. Of 16 others of SMAL, in no
-# fit, no wrong one is above 0.19 and one of 10 right ones is below 0.65. Fitted to the same with
-# what kept nodes save and how far apart both directions were instead of what is seen inside, wrong
-# ones came to 0.61, and 8 and 3 right ones were below.
-CHANCE_COEFFICIENTS = (-14.3, 7.1, -30.0, -1.2, 13.8, 6.6, 29.6)
+# below 0.05, over what is shared and over what is matched, wrong one above 0.1 and 0.05. Of the 23
+# wrong ones none is above 0.39, of the 23 right ones 4 are below 0.65. Of 20 others of SMAL and the
+# views, in no fit, none of 8 wrong ones is above 0.19, and 1 of 12 right ones is below 0.65. Fitted
+# to the same pairs, what kept nodes save and how far apart both directions were, instead of what is
+# seen inside, let wrong ones come to 0.62, and 8 and 3 right ones were below.
+CHANCE_COEFFICIENTS = (-15.1, 7.1, -29.4, -1.3, 13.8, 7.8, 30.0)
 
-# By as much a mirror image may be better by accident: of right answers one in ten is above.
+# By as much a mirror image may be better by accident: of 34 right answers 6 are above.
 MIRROR_ACCIDENT = 0.03
 # Beyond this a limb may lie on its twin of the other side. Of 66 pairs, and two of legs of the
 # generated animal, the mirror image was better by more in ten that were wrong, and in four right
 # ones: the mirror image of a whole animal may lie as well as the animal, elsewhere.
 MIRROR_MARGIN = 0.06
 # At its own place a limb of the other side is no more alike than its mirror image is: of six wrong
-# answers with so good a mirror image 0.55 to 0.61 of the places are, of four right ones 0.53 (two
-# species), 0.74, 0.79 and 0.81 (generated animal, animated horse).
+# answers with so good a mirror image 0.55 to 0.61 of the places are more alike, of four right ones
+# 0.53 (two species), 0.74, 0.79 and 0.81 (generated animal, animated horse). Of 31 wrong answers of
+# all kinds none is above 0.66.
 HANDED = 2.0 / 3.0
 # Four in fourteen of such answers were right; one in six of those asked before.
 MIRROR_CHANCE = 0.15
@@ -126,7 +128,7 @@ def overlap_chance(
     and the share whose places are more alike to them than to their mirror images, seeing only what
     is shared (see :class:`sherd.correspondence.shared.likeness.Likeness`); and by how much more
     alike the mirror image is than by accident, `mirrored_ratio` being the energy of its first
-    labeling over that by chance.
+    labeling over that by chance, or `first_ratio` where :func:`mirror_says_something` denies it.
     """
     if likeness is None:
         return LEAST
@@ -146,18 +148,21 @@ def overlap_chance(
         ]
     )
     raw = 1.0 / (1.0 + np.exp(-features @ np.array(CHANCE_COEFFICIENTS)))
-    twin = mirror_is_better(labelings.first_ratio, mirrored_ratio, likeness)
+    twin = mirror_is_better(labelings.first_ratio, mirrored_ratio)
     return float(np.clip(raw, LEAST, MIRROR_CHANCE if twin else MOST))
 
 
-def mirror_is_better(first_ratio: float, mirrored_ratio: float, likeness: Likeness | None) -> bool:
+def mirror_says_something(likeness: Likeness | None) -> bool:
+    """Whether limbs of both sides may be laid on each other, by what is seen at the very place."""
+    return likeness is not None and likeness.handed <= HANDED
+
+
+def mirror_is_better(first_ratio: float, mirrored_ratio: float) -> bool:
     """Whether the mirror image of one shape is more alike the other than the shape itself is.
 
-    And is as much so at the very place: then limbs of both sides are laid on each other, a left leg
-    and a right one.
+    Then limbs of both sides are laid on each other: a left leg and a right one.
     """
-    handed = likeness is not None and likeness.handed > HANDED
-    return mirrored_ratio < first_ratio - MIRROR_MARGIN and not handed
+    return mirrored_ratio < first_ratio - MIRROR_MARGIN
 
 
 def strain_curve(questions: Both[Question], placements: Both[SharedPlacement]) -> StrainCurve:

@@ -30,8 +30,8 @@ SAME_PLACE = 0.05
 # A place leads if no more than one label in so many is more alike: 30 of 1,200, among which the
 # right one is for nine nodes in ten of cuts of one animal (`CANDIDATES` of the labeling).
 LEADING = 40
-# Two or three nodes say nothing.
-LEAST_NODES = 4
+# Two or three nodes say nothing, and a share is known to a twentieth from a hundred.
+LEAST_NODES, MOST_NODES = 4, 100
 
 
 @dataclass(frozen=True)
@@ -73,10 +73,11 @@ def likeness_inside(question: Question, there: Floats, own: Bools, other: Bools)
         None where so little is shared that nothing can be said.
     """
     full, part = question.full, question.part
-    inside = own[part.sparse.vertices]
-    if inside.sum() < LEAST_NODES or not other.any():
+    order = part.sparse.farthest_first
+    chosen = order[own[part.sparse.vertices[order]]][:MOST_NODES]
+    if len(chosen) < LEAST_NODES or not other.any():
         return None
-    nodes = part.sparse.vertices[inside]
+    nodes = part.sparse.vertices[chosen]
     seen = full.spectra_within(other)
 
     def alike(shape: DescribedSurface) -> Floats:
@@ -90,7 +91,8 @@ def likeness_inside(question: Question, there: Floats, own: Bools, other: Bools)
     here, image_here = (np.where(near, each, -1.0).max(axis=1) for each in (similarity, image))
     lack = similarity.max(axis=1) - here
     more_alike = (similarity > here[:, None]).mean(axis=1)
-    weights = np.bincount(part.sparse.cells, part.mesh.vertex_areas, minlength=len(inside))[inside]
+    areas = np.bincount(part.sparse.cells, part.mesh.vertex_areas, minlength=len(part.sparse))
+    weights = areas[chosen]
     return Likeness(
         lack=float(np.average(lack, weights=weights)),
         leading=float(np.average(more_alike < 1.0 / LEADING, weights=weights)),
