@@ -51,6 +51,13 @@ def test_each_thing_that_is_worse_lowers_the_chance(worse: dict[str, float]) -> 
     assert chance(**worse) < chance() - 0.1
 
 
+def test_what_is_right_and_lacks_half_of_what_is_shared_is_doubted() -> None:
+    """Where it lies all is alike, but the directions confirm only a part of each other."""
+    sure = {"lack": 0.03, "open": 0.0, "leading": 0.98, "handed": 0.9}
+    assert chance(**sure, agreement=0.7) > 0.65
+    assert chance(**sure, agreement=0.64) <= 0.5
+
+
 def test_where_too_little_is_shared_to_be_judged_it_is_not_believed() -> None:
     labelings = SimpleNamespace(agreement=1.0, lack=0.0, first_ratio=0.2)
     assert overlap_chance(labelings, 0.9, None, (None, None), (None, None)) < 0.01
