@@ -30,8 +30,9 @@ from sherd.correspondence.shared.hints import (
     pins_on,
 )
 from sherd.correspondence.shared.judgment import (
-    MIRROR_CHANCE,
+    likeness_of_both,
     mirror_is_better,
+    mirror_says_something,
     overlap_chance,
     shared_confidence,
     strain_curve,
@@ -170,7 +171,6 @@ def shared_by(
     intakes = (shapes[0].intake, shapes[1].intake)
     landmarks = landmarks_on(*shapes, options)
     questions = (questions[0].with_stretch(STRETCH), questions[1].with_stretch(STRETCH))
-    image_energies = begun(partial(mirrored_energies, questions, options.seed))
     with stages("labels"):
         labelings = labeled_both_ways(questions, options.seed)
     with stages("placement"):
@@ -182,13 +182,12 @@ def shared_by(
             for side, place in enumerate(placements)
         )
         curve = strain_curve(questions, placements)
-    mirrored = min(
-        energy / max(by_chance, 1e-12)
-        for energy, by_chance in zip(image_energies(), labelings.chance, strict=True)
-    )
-    chance = overlap_chance(labelings, mirrored, questions, placements)
+    likeness = likeness_of_both(questions, placements)
+    mirrored = labelings.first_ratio
+    if mirror_says_something(likeness):
+        mirrored = _mirrored_ratio(questions, labelings, options.seed)
+    chance = overlap_chance(labelings, mirrored, likeness, questions, placements)
     twin = mirror_is_better(labelings.first_ratio, mirrored)
-    chance = min(chance, MIRROR_CHANCE) if twin else chance
     result = Overlap(
         first=intakes[0].original,
         second=intakes[1].original,
@@ -221,6 +220,15 @@ def shared_by(
         status=doubts.status,
         advice=doubts.advice,
         unfollowed_landmarks=doubts.unfollowed,
+    )
+
+
+def _mirrored_ratio(questions: Both[Question], labelings: TwoLabelings, seed: int) -> float:
+    """`first_ratio` of the mirror images."""
+    energies = mirrored_energies(questions, seed)
+    return min(
+        energy / max(by_chance, 1e-12)
+        for energy, by_chance in zip(energies, labelings.chance, strict=True)
     )
 
 

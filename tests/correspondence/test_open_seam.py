@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 
 from sherd.correspondence.labels.labeling import SAME_SCALE
 from sherd.correspondence.question import Question
 from sherd.correspondence.registration import Deformation
-from sherd.correspondence.shared.judgment import MOST_OPEN, open_seam
+from sherd.correspondence.shared.open_border import MOST_OPEN, open_seam
 from sherd.correspondence.shared.region_cut import WIDTH
 from sherd.correspondence.shared.round_trip import round_trip
 from sherd.mesh.triangle_mesh import TriangleMesh
@@ -39,7 +37,7 @@ def openness(part: TriangleMesh, full: TriangleMesh, shared: np.ndarray) -> floa
     """Of `part` lying where it is on `full`."""
     question = Question(*(DescribedSurface(working_surface(m)) for m in (full, part)), SAME_SCALE)
     trip = round_trip(question, still(part), still(full))
-    return open_seam(question, SimpleNamespace(shared=shared, trip=trip))
+    return open_seam(question, trip, shared)
 
 
 def test_a_border_in_the_middle_of_both_is_open_but_for_its_ends() -> None:

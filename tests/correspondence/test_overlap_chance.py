@@ -4,58 +4,92 @@ from __future__ import annotations
 
 from types import SimpleNamespace
 
-import numpy as np
 import pytest
 
 from sherd.correspondence.shared import judgment
-from sherd.correspondence.shared.judgment import mirror_is_better, overlap_chance
+from sherd.correspondence.shared.judgment import (
+    mirror_is_better,
+    mirror_says_something,
+    overlap_chance,
+)
+from sherd.correspondence.shared.likeness import Likeness
 
-COUNT = 20
 WELL = {
-    "agreement": 0.9, "worth": 0.15, "apart": 0.012, "first": 0.4, "mirrored": 0.4, "open": 0.3
+    "agreement": 0.85, "lack": 0.13, "open": 0.2, "leading": 0.75, "handed": 0.62, "mirrored": 0.5
 }  # fmt: skip
 
 
 @pytest.fixture(autouse=True)
-def _open_as_told(monkeypatch) -> None:
-    monkeypatch.setattr(judgment, "open_seam", lambda _, place: place.open)
+def _as_told(monkeypatch) -> None:
+    monkeypatch.setattr(judgment, "open_seam", lambda _, trip, shared: trip.open)
 
 
 def chance(**changes: float) -> float:
     """Of an answer that is right, but for the changes."""
-    told = {**WELL, **changes}
-    mesh = SimpleNamespace(vertex_areas=np.full(COUNT, 1.0 / COUNT))
-    question = SimpleNamespace(part=SimpleNamespace(mesh=mesh))
-    place = SimpleNamespace(
-        shared=np.ones(COUNT, bool), apart=np.full(COUNT, told["apart"]), open=told["open"]
-    )
-    labelings = SimpleNamespace(
-        agreement=told["agreement"], worth=told["worth"], first_ratio=told["first"]
-    )
-    return overlap_chance(labelings, told["mirrored"], (question, question), (place, place))
+    told = SimpleNamespace(**{**WELL, **changes}, first_ratio=0.5)
+    likeness = Likeness(0.02, told.leading, told.handed)
+    place = SimpleNamespace(trip=told, shared=None)
+    return overlap_chance(told, told.mirrored, likeness, (None, None), (place, place))
 
 
 def test_what_agrees_is_alike_and_misses_nothing_is_sure() -> None:
-    assert chance(worth=0.35, apart=0.005, open=0.0) > 0.9
+    assert chance(agreement=0.95, lack=0.05, open=0.0, leading=0.9, handed=0.7) > 0.9
 
 
 @pytest.mark.parametrize(
     "worse",
-    [{"agreement": 0.5}, {"worth": -1.0}, {"apart": 0.02}, {"mirrored": 0.3}, {"open": 2.0}],
+    [
+        {"agreement": 0.5},
+        {"lack": 0.25},
+        {"leading": 0.5},
+        {"handed": 0.4},
+        {"open": 2.0},
+        {"mirrored": 0.4},
+    ],
 )
 def test_each_thing_that_is_worse_lowers_the_chance(worse: dict[str, float]) -> None:
     assert chance(**worse) < chance() - 0.1
 
 
+def test_what_is_right_and_lacks_half_of_what_is_shared_is_doubted() -> None:
+    """Where it lies all is alike, but the directions confirm only a part of each other."""
+    sure = {"lack": 0.03, "open": 0.0, "leading": 0.98, "handed": 0.9}
+    assert chance(**sure, agreement=0.7) > 0.65
+    assert chance(**sure, agreement=0.64) <= 0.5
+
+
+def test_where_too_little_is_shared_to_be_judged_it_is_not_believed() -> None:
+    labelings = SimpleNamespace(agreement=1.0, lack=0.0, first_ratio=0.2)
+    assert overlap_chance(labelings, 0.9, None, (None, None), (None, None)) < 0.01
+
+
+def test_a_mirror_image_that_is_better_by_accident_says_nothing() -> None:
+    assert chance(mirrored=0.48) == chance(mirrored=0.9)
+
+
 def test_a_limb_of_the_other_side_is_not_believed_however_well_it_agrees() -> None:
     """As far as measured: the mirror image of a leg is better by 0.07 and more."""
-    assert chance(first=0.7, mirrored=0.45, apart=0.01) < 0.2
+    sure = {"agreement": 1.0, "lack": 0.05, "open": 0.0, "leading": 0.85}
+    assert chance(**sure, mirrored=0.4, handed=0.58) < 0.2
     assert mirror_is_better(0.7, 0.5)
     assert not mirror_is_better(0.7, 0.68)
 
 
+def test_the_mirror_image_is_asked_where_places_do_not_say_which_side_it_is() -> None:
+    assert mirror_says_something(Likeness(0.02, 0.8, 0.58))
+    assert not mirror_says_something(Likeness(0.02, 0.8, 0.75))
+    assert not mirror_says_something(None)
+
+
 def test_a_chance_is_never_certain() -> None:
-    best = {"agreement": 1.0, "worth": 1.0, "apart": 0.0, "mirrored": 1.0}
-    worst = {"agreement": 0.0, "worth": -5.0, "apart": 0.3, "mirrored": 0.0}
+    best = {"agreement": 1.0, "lack": 0.0, "leading": 1.0, "handed": 1.0, "open": 0.0}
+    worst = {
+        "agreement": 0.0,
+        "lack": 1.0,
+        "leading": 0.0,
+        "handed": 0.0,
+        "open": 2.0,
+        "mirrored": 0.0,
+    }
     assert 0.0 < chance(**worst) < 0.01
     assert 0.99 < chance(**best) < 1.0

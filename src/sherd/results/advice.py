@@ -167,7 +167,7 @@ class OverlapDoubts:
     checked
         Whether the answer passes the check that is re-derived from the meshes.
     twin
-        Whether the mirror image of one shape is more alike the other.
+        Whether the mirror image of one shape is more alike the other, at the same place too.
     scale_bound
         The scale, if it stands at its bound.
     scale_rival

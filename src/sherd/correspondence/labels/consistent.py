@@ -26,7 +26,14 @@ from sherd.correspondence.labels.labeling import (
     unary_cost,
 )
 
-__all__ = ["consistent_groups", "consistent_nodes", "missing_area", "node_areas", "node_costs"]
+__all__ = [
+    "consistent_groups",
+    "consistent_nodes",
+    "missing_area",
+    "node_areas",
+    "node_costs",
+    "node_lacks",
+]
 
 # Lengths in conflict differ by more than two sigma, where a limit says "wrong" and not more.
 SIGMAS = 2.0
@@ -50,8 +57,15 @@ def node_costs(problem: Problem, labeling: Labeling) -> Floats:
     paid = np.where(labeling.placed[problem.edges].all(axis=1), paid, 0.0)
     count = len(problem.nodes)
     half = sum(np.bincount(end, 0.5 * paid, minlength=count) for end in problem.edges.T)
-    cost: Floats = unary_cost(problem, labels, rotations, SIMILARITY_STEP)[:, 0] + half
+    cost: Floats = node_lacks(problem, labeling) + half
     return cost
+
+
+def node_lacks(problem: Problem, labeling: Labeling) -> Floats:
+    """What each node (k,) pays for how much less alike its label is than the best one."""
+    labels, rotations = labeling.labels[:, None], labeling.rotations[:, None]
+    lack: Floats = unary_cost(problem, labels, rotations, SIMILARITY_STEP)[:, 0]
+    return lack
 
 
 def consistent_groups(problem: Problem, labeling: Labeling, chance: float) -> list[Bools]:

@@ -18,7 +18,8 @@ from sherd.correspondence.registration import (
     registered_to_positions,
     registered_to_surface,
 )
-from sherd.correspondence.shared.region_cut import WIDTH, shared_region
+from sherd.correspondence.shared.open_border import open_seam, other_goes_on
+from sherd.correspondence.shared.region_cut import shared_region
 from sherd.correspondence.shared.round_trip import RoundTrip, round_trip
 from sherd.correspondence.similar_places import Look, similar_places
 from sherd.correspondence.trilateration import trilaterated_vertices
@@ -34,7 +35,7 @@ from sherd.descriptors.rotation_shot import trusted_equally
 from sherd.surface.described import RADII
 from sherd.threads import side_by_side
 
-__all__ = ["SharedPlacement", "other_goes_on", "placed_together", "sharing_cost"]
+__all__ = ["SharedPlacement", "placed_together", "sharing_cost"]
 
 # Where there and back end up farther apart than this, the two directions do not mean the same
 # place: two spacings of labels.
@@ -43,6 +44,11 @@ CLOSES = 0.06
 # vertices on 10,000: a wrong place is no nearer, and the border is as sharp as the mesh.
 CLOSED = 0.015
 PLACE_ROUNDS, TOGETHER_ROUNDS = 12, 4
+# Open border beyond which both look once more, over the root of the shared area: a border as long
+# as that of a square is open along a twelfth. Of 26 SMAL pairs that are as open vertex IoU rises
+# from 0.479 to 0.491, of those two that lie right and lack a tenth of what is shared from 0.87 to
+# 0.95; where the border is closed it falls by as much as it rises.
+CLOSED_BORDER = 0.3
 # As far above the price as a perfect vertex is below it.
 MOST_COST = 2.0
 # Strain is averaged over so many rings of neighbors, the width of a crease.
@@ -88,7 +94,8 @@ def placed_together(
 
     Each direction starts from the nodes that the other brings back. Then, twice: lay both shapes
     on each other by similar neighborhoods, and draw each to the middle between its own place and
-    the inverse of the other's, where these are near. The second time both see only what is shared.
+    the inverse of the other's, where these are near. The second time both see only what is shared,
+    and once more where much of the border of that is open, as it then still grows.
 
     Parameters
     ----------
@@ -109,16 +116,34 @@ def placed_together(
         partial(_first_laid, *each) for each in zip(questions, found, queries, strict=True)
     )
     together = _drawn_together(questions, (laid[0], laid[1]), strain)
-    seen = side_by_side(
-        partial(_laid_again, *each)
-        for each in zip(questions, queries, together, together[::-1], strict=True)
-    )
-    drawn = _drawn_together(questions, (seen[0][0], seen[1][0]), strain)
+    drawn, seen = _looked_again(questions, queries, together, strain)
+    if _is_open(questions, drawn):
+        drawn, seen = _looked_again(questions, queries, drawn, strain)
     judged = side_by_side(
         partial(_judged, question, own, look)
-        for question, own, (_, look) in zip(questions, drawn, seen, strict=True)
+        for question, own, look in zip(questions, drawn, seen, strict=True)
     )
     return (judged[0], judged[1])
+
+
+def _looked_again(
+    questions: Both[Question], queries: Both[Queries], found: Both[SharedPlacement], strain: float
+) -> tuple[Both[SharedPlacement], Both[Look]]:
+    """Laid by what both see of what is shared, and drawn together; and what they saw."""
+    seen = side_by_side(
+        partial(_laid_again, *each)
+        for each in zip(questions, queries, found, found[::-1], strict=True)
+    )
+    (there, look_there), (back, look_back) = seen
+    return _drawn_together(questions, (there, back), strain), (look_there, look_back)
+
+
+def _is_open(questions: Both[Question], found: Both[SharedPlacement]) -> bool:
+    """Whether more of the border than `CLOSED_BORDER` is open, on either shape."""
+    return any(
+        open_seam(question, place.trip, place.shared) > CLOSED_BORDER
+        for question, place in zip(questions, found, strict=True)
+    )
 
 
 def _first_laid(question: Question, found: tuple[Labeling, Bools], queries: Queries) -> Deformation:
@@ -155,14 +180,6 @@ def sharing_cost(trip: RoundTrip, strain: Floats, accepted: float) -> Floats:
     """
     cost = np.maximum(trip.gap / CLOSED, strain / accepted)
     return np.where(trip.beyond, MOST_COST, np.minimum(cost, MOST_COST))
-
-
-def other_goes_on(question: Question, trip: RoundTrip) -> Bools:
-    """Vertices (n,) whose places lie farther inside the other shape than a border is blurred."""
-    full = question.full
-    depth = trip.points.interpolate(full.mesh, full.cut_distance)
-    inside: Bools = depth > 2 * WIDTH
-    return inside
 
 
 def _from_labeling(

@@ -1,0 +1,61 @@
+"""How alike two shapes are where one was laid on the other, both seeing only what is shared."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.spatial import cKDTree
+
+from sherd.correspondence.labels.labeling import SAME_SCALE
+from sherd.correspondence.question import Question
+from sherd.correspondence.shared.likeness import likeness_inside
+from sherd.shapes import creature
+from sherd.surface.described import DescribedSurface
+from sherd.surface.working import working_surface
+
+
+@pytest.fixture(scope="module")
+def question() -> Question:
+    """A standing animal, and the same one walking."""
+    standing, walking = creature(5000), creature(5000, pose="walk")
+    unit = standing.length
+    surfaces = (
+        DescribedSurface(working_surface(mesh.with_vertices(mesh.vertices / unit)))
+        for mesh in (standing, walking)
+    )
+    return Question(*surfaces, SAME_SCALE)
+
+
+@pytest.fixture(scope="module")
+def front(question: Question) -> tuple[np.ndarray, np.ndarray]:
+    """The front three fifths of both, by the place on the standing one."""
+    along = np.argmax(np.ptp(question.full.mesh.vertices, axis=0))
+    return tuple(
+        mesh.vertices[:, along] > np.quantile(mesh.vertices[:, along], 0.4)
+        for mesh in (question.full.mesh, question.part.mesh)
+    )
+
+
+def test_the_right_place_leads_though_both_are_cut(question, front) -> None:
+    there = question.full.mesh.vertices  # both poses have the same vertices
+    found = likeness_inside(question, there, front[1], front[0])
+    assert found.leading > 0.8
+    assert found.lack < 0.02
+
+
+def test_a_place_at_the_other_end_does_not_lead(question, front) -> None:
+    mesh = question.full.mesh
+    along = np.argmax(np.ptp(mesh.vertices, axis=0))
+    turned = mesh.vertices.copy()
+    turned[:, along] = turned[:, along].min() + turned[:, along].max() - turned[:, along]
+    there = mesh.vertices[cKDTree(mesh.vertices).query(turned)[1]]
+    right = likeness_inside(question, mesh.vertices, front[1], front[0])
+    wrong = likeness_inside(question, there, front[1], front[0])
+    assert wrong.leading < right.leading - 0.4
+    assert wrong.lack > 3 * right.lack
+
+
+def test_nothing_shared_says_nothing(question, front) -> None:
+    there, nothing = question.full.mesh.vertices, np.zeros_like(front[1])
+    assert likeness_inside(question, there, nothing, front[0]) is None
+    assert likeness_inside(question, there, front[1], nothing) is None
