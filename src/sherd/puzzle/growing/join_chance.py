@@ -42,11 +42,10 @@ UNSHARED_STRAIN = 0.3
 HANDEDNESS, RELIEF = 4, 6
 # Between the reliefs of wrong places and of right ones, and how wide the doubt is. On the generated
 # animal right ones are alike by 0.5 to 0.97, a leg on another one, where all else seems right, by
-# 0.0; on two animated animals ten right ones by 0.3 to 0.6, six of seven foreign ones by at most 0.2.
-# Of what else was looked at arms and legs of two people on those of the other side, turned to fit,
-# had 0.06 to 0.24, 14 right ones 0.33 to 0.9, two that are right but 0.04 off 0.28, and one of a
-# horse, which is refused so, 0.2. More of it proves nothing: another person's is as
-# much alike.
+# 0.0; on two animated animals ten right ones by 0.3 to 0.6, six of seven foreign ones by 0.2 at
+# most. Of what else was looked at arms and legs of two people on those of the other side, turned to
+# fit, had 0.06 to 0.24, 14 right ones 0.33 to 0.9, two that are right but 0.04 off 0.28, and one of
+# a horse, which is refused so, 0.2. More of it proves nothing: another person's is as much alike.
 UNLIKE, UNLIKE_STEP = 0.25, 0.02
 # A logistic regression over 95 questions of six puzzles of animals and a man whose pieces reach
 # half as far again, of pieces and of unions, wrong ones counting twice, with weights kept small: of
