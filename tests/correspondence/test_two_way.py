@@ -10,7 +10,7 @@ from scipy.spatial import cKDTree
 
 from sherd.correspondence.labels.inverse import COVERED, closing_nodes, inverse_labeling
 from sherd.correspondence.labels.labeling import Labeling, Problem, labeling_problem
-from sherd.correspondence.labels.two_way import TwoLabelings, two_way_labelings
+from sherd.correspondence.labels.two_way import TwoLabelings, _following, two_way_labelings
 from sherd.correspondence.question import Question
 
 SHIFTS = 16
@@ -71,6 +71,21 @@ def test_an_inverse_labeling_covers_what_the_other_direction_does(planted, back,
 def test_an_inverse_of_nothing_is_nowhere(back, truth) -> None:
     nothing = replace(truth, placed=np.zeros(len(truth.labels), dtype=bool))
     assert not inverse_labeling(back, nothing).placed.any()
+
+
+def test_a_direction_that_keeps_nothing_is_the_inverse_of_the_other_again(
+    there, back, truth
+) -> None:
+    problems, inverse = (there, back), inverse_labeling(back, truth)
+    nothing = replace(inverse, placed=np.zeros(len(inverse.labels), dtype=bool))
+    kept = _following(problems, (truth, nothing))
+    assert kept[0] is truth
+    assert (kept[1].placed == inverse.placed).all()
+    assert (kept[1].labels == inverse.labels).all()
+    lost = replace(truth, placed=np.zeros(len(truth.labels), dtype=bool))
+    assert _following(problems, (lost, inverse))[0].placed.any()
+    for pair in ((truth, inverse), (lost, nothing)):
+        assert _following(problems, pair) == pair
 
 
 @pytest.fixture(scope="module")

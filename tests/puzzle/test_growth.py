@@ -23,8 +23,8 @@ def pieces(count: int) -> list[Union]:
     return [Union.of_piece(TriangleMesh(SQUARE * (2 - 0.1 * k), FACES), k) for k in range(count)]
 
 
-def answer(chance: float, *, mirrored: bool = False) -> Any:
-    return SimpleNamespace(chance=chance, mirrored=mirrored)
+def answer(chance: float, *, twin: bool = False) -> Any:
+    return SimpleNamespace(chance=chance, twin=twin)
 
 
 @pytest.fixture(autouse=True)
@@ -145,7 +145,7 @@ def test_two_that_overlap_in_one_place_are_both_joined_where_the_loop_closes(mon
     assert not any(taken_before)
 
 
-def test_what_fits_mirrored_is_asked_elsewhere_and_never_there_again() -> None:
+def test_what_is_laid_on_its_twin_is_asked_elsewhere_and_never_there_again() -> None:
     asked = []
 
     def meet(first: Union, second: Union, known: Ints, taken: Bools | None) -> Any:
@@ -155,7 +155,7 @@ def test_what_fits_mirrored_is_asked_elsewhere_and_never_there_again() -> None:
         # on its twin, elsewhere in doubt, and sure once the other piece is there
         return answer(0.7 if len(first.members) == 2 else 0.5) if taken is not None else mirror
 
-    mirror = answer(0.15, mirrored=True)
+    mirror = answer(0.15, twin=True)
     found = grown(pieces(3), np.ones((3, 3)), meet)
     assert sorted(map(sorted, found.groups)) == [[0, 1, 2]]
     assert [each for each in asked if each[1] == (2,)] == [

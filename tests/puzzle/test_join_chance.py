@@ -6,26 +6,28 @@ import numpy as np
 import pytest
 
 from sherd.correspondence.shared.judgment import MIRROR_CHANCE
-from sherd.puzzle.growing.join_chance import join_chance
+from sherd.puzzle.growing.join_chance import fits_a_twin, join_chance
 from sherd.results.advice import SURE
 
-# One, agreement, worth, rim inside, handedness, strain.
-RIGHT = np.array([1.0, 0.72, 0.3, 0.0, 0.57, 0.07])
+# One, agreement, worth, rim inside, handedness, strain, relief.
+RIGHT = np.array([1.0, 0.72, 0.3, 0.0, 0.57, 0.07, 0.4])
 
 
 def test_what_agrees_and_ends_where_a_piece_ends_is_sure() -> None:
     assert join_chance(RIGHT) > 0.9
 
 
-@pytest.mark.parametrize(("feature", "value"), [(1, 0.0), (2, -1.0), (3, 0.6), (4, -0.4), (5, 0.2)])
+@pytest.mark.parametrize(
+    ("feature", "value"), [(1, 0.0), (2, -1.0), (3, 0.6), (4, -0.4), (5, 0.2), (6, 0.2)]
+)
 def test_each_thing_that_speaks_against_it_counts(feature: int, value: float) -> None:
     worse = RIGHT.copy()
     worse[feature] = value
     assert join_chance(worse) < join_chance(RIGHT)
 
 
-@pytest.mark.parametrize(("feature", "value"), [(3, 0.9), (5, 0.35)])
-def test_a_rim_inside_both_pieces_or_stretched_skin_alone_refuses(
+@pytest.mark.parametrize(("feature", "value"), [(3, 0.9), (5, 0.35), (6, 0.15)])
+def test_a_rim_inside_both_stretched_skin_or_another_relief_alone_refuses(
     feature: int, value: float
 ) -> None:
     worse = RIGHT.copy()
@@ -37,3 +39,13 @@ def test_what_fits_better_mirrored_is_never_sure() -> None:
     turned = RIGHT.copy()
     turned[4] = -0.3
     assert join_chance(turned) <= MIRROR_CHANCE
+
+
+def test_what_would_be_sure_but_for_its_relief_lies_on_a_twin() -> None:
+    turned = RIGHT.copy()
+    turned[6] = 0.1
+    assert fits_a_twin(turned)
+    assert not fits_a_twin(RIGHT)
+    foreign = turned.copy()
+    foreign[5] = 0.35
+    assert not fits_a_twin(foreign)

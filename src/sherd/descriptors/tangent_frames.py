@@ -9,12 +9,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
-from scipy.sparse.linalg import splu
 
 from sherd.arrays import Floats, Ints, Singles
 from sherd.mesh.geometry import face_cross
 from sherd.mesh.triangle_mesh import TriangleMesh
-from sherd.spectral.operators import stiffness
+from sherd.spectral.diffusion import diffused
 from sherd.threads import over_rows
 
 __all__ = ["geodesic_directions", "smoothed_normals", "tangent_axes"]
@@ -23,22 +22,9 @@ __all__ = ["geodesic_directions", "smoothed_normals", "tangent_axes"]
 def smoothed_normals(mesh: TriangleMesh, width: float) -> Floats:
     """Unit vertex normals (n, 3) after heat flow of standard deviation `width` (mesh length).
 
-    One implicit step `(A + t W) N = A N0` with `t = width^2 / 2`: the amount of smoothing is
-    a length, so two meshings of one surface get the same normals. Cotangents below zero are
-    raised to zero, which keeps every result inside the cone of the normals that it averages.
+    Inside the cone of the normals that it averages; two meshings of one surface get the same.
     """
-    weak = stiffness(mesh.vertices, mesh.faces).tocoo()
-    off = (weak.row != weak.col) & (weak.data < 0)
-    graph = sparse.coo_array(
-        (-weak.data[off], (weak.row[off], weak.col[off])), shape=weak.shape
-    ).tocsr()
-    areas = np.maximum(mesh.vertex_areas, 1e-12 * mesh.area / mesh.vertex_count)
-    laplacian = sparse.diags_array(np.asarray(graph.sum(axis=1)).ravel()) - graph
-    system = sparse.csc_array(sparse.diags_array(areas) + 0.5 * width**2 * laplacian)
-    factor = splu(
-        system, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
-    )
-    smooth = factor.solve(areas[:, None] * mesh.vertex_normals)
+    smooth = diffused(mesh, mesh.vertex_normals, width)
     length = np.linalg.norm(smooth, axis=1, keepdims=True)
     upright = np.array([0.0, 0.0, 1.0])  # any axis will do where no face gives a normal
     return np.where(length > 0, smooth / np.where(length > 0, length, 1.0), upright)

@@ -11,6 +11,7 @@ from scipy import sparse
 from sherd.arrays import Floats, Ints
 
 __all__ = [
+    "angle_defects",
     "barycentric_vertex_areas",
     "closest_rotation",
     "cross",
@@ -88,6 +89,21 @@ def edge_lengths(vertices: Floats, faces: Ints) -> Floats:
     following = vertices[faces[:, [1, 2, 0]]]
     preceding = vertices[faces[:, [2, 0, 1]]]
     return lengths((preceding - following).reshape(-1, 3)).reshape(-1, 3)
+
+
+def angle_defects(vertices: Floats, faces: Ints) -> Floats:
+    """Two pi minus the angles of the faces at each vertex, (n,): its integral Gaussian curvature.
+
+    By Gauss and Bonnet. On a border it says nothing of the surface. It is what a surface keeps that
+    is bent and not stretched.
+    """
+    first = vertices[faces[:, [1, 2, 0]]] - vertices[faces]
+    second = vertices[faces[:, [2, 0, 1]]] - vertices[faces]
+    across = lengths(cross(first.reshape(-1, 3), second.reshape(-1, 3)))
+    along = np.einsum("fcx,fcx->fc", first, second).ravel()
+    angles = np.arctan2(across, along)
+    total: Floats = np.bincount(faces.ravel(), angles, minlength=len(vertices)).astype(np.float64)
+    return 2.0 * np.pi - total
 
 
 def edge_graph(vertices: Floats, edges: Ints) -> sparse.csr_array:

@@ -333,7 +333,22 @@ def _agreed(
     # the next round hears only of what can be true together
     kept = (_only(found[0], agrees[0]), _only(found[1], agrees[1]))
     placed = (int(found[0].placed.sum()), int(found[1].placed.sum()))
-    return _Agreed(kept, agrees, placed, saved(problems, kept, chance))
+    gained = saved(problems, kept, chance)
+    return _Agreed(_following(problems, kept), agrees, placed, gained)
+
+
+def _following(problems: Both[Problem], kept: Both[Labeling]) -> Both[Labeling]:
+    """Where one direction keeps nothing it follows the other one again in the next round.
+
+    A piece finds its place on a larger one, of which it lacks the most; the larger one hears of
+    that and still lays what it shares on a twin, with which it agrees as well as with itself.
+    """
+    forward, backward = kept
+    if forward.placed.any() == backward.placed.any():
+        return kept
+    if forward.placed.any():
+        return forward, inverse_labeling(problems[1], forward)
+    return inverse_labeling(problems[0], backward), backward
 
 
 def _saved_per_area(problems: Both[Problem], agreed: _Agreed) -> float:

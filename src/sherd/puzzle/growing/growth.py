@@ -250,12 +250,12 @@ def _odds(join: Join) -> float:
 def _asked(first: Union, second: Union, meet: Meet, growth: Growth) -> Join:
     """The answer of two unions; if it is not sure, that elsewhere or with what was sure recalled.
 
-    What fits mirrored lies where its twin does, so it is asked where else it lies, and kept from
+    What is laid on its twin has another place, so it is asked where else it lies, and kept from
     there from then on.
     """
     taken = _taken(first, second, growth)
     join = Join(first, second, meet(first, second, NOTHING_KNOWN, taken))
-    if join.met.mirrored:
+    if join.met.twin:
         growth.settled.append((join, second.members))
         growth.sure = [each for each in growth.sure if not _repeated(each, join)]
         taken = _taken(first, second, growth)

@@ -25,7 +25,7 @@ from sherd.overlap import (
     queries_both_ways,
     questions_of,
 )
-from sherd.puzzle.growing.join_chance import fits_mirrored, join_chance, join_features
+from sherd.puzzle.growing.join_chance import fits_a_twin, join_chance, join_features
 from sherd.results.overlap_options import OverlapOptions
 from sherd.surface.described import DescribedSurface
 from sherd.surface.prepared import described_part
@@ -50,15 +50,15 @@ class Meeting:
         Of both.
     chance
         That what they share is found rightly, and they belong together.
-    mirrored
-        Whether what they share clearly fits better mirrored, as a left leg on a right one.
+    twin
+        Whether what they share is laid on its twin, as a left leg on a right one.
     """
 
     questions: Both[Question]
     queries: Both[Queries]
     placements: Both[SharedPlacement]
     chance: float
-    mirrored: bool
+    twin: bool
 
 
 @one_blas_thread()
@@ -113,7 +113,7 @@ def meeting(
     queries = queries_both_ways(questions, seed)
     placements = placed_together(questions, labelings, queries, strain=OverlapOptions().strain)
     features = join_features(labelings, questions, placements, seed)
-    return Meeting(questions, queries, placements, join_chance(features), fits_mirrored(features))
+    return Meeting(questions, queries, placements, join_chance(features), fits_a_twin(features))
 
 
 def _free(surface: DescribedSurface, mesh: TriangleMesh, taken: Bools) -> Bools:

@@ -1,0 +1,79 @@
+"""Relief: what a surface keeps when it is bent, at the size of a muscle, a knuckle or an ear.
+
+Two limbs bend alike, are as thick and as long as each other, and labels lie well on either. But
+skin that is the same has its bumps, saddles and flat places where the other one has them, and
+they keep their Gaussian curvature in every pose. So wherever a map lays it, the relief of the one
+must be that of the other, place by place.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from scipy.stats import rankdata
+
+from sherd.arrays import Floats
+from sherd.correspondence.labels.two_way import Both
+from sherd.correspondence.question import Question
+from sherd.correspondence.shared.two_way_placement import SharedPlacement
+from sherd.mesh.geometry import angle_defects
+from sherd.mesh.triangle_mesh import TriangleMesh
+from sherd.spectral.diffusion import diffused
+
+__all__ = ["alike_in_relief", "relief"]
+
+# In sqrt(area) of the larger piece. As fine as a right map is exact (0.01 to 0.02), and against
+# what is around as far as a limb is wide: that a limb is round is true of all limbs.
+FINE, COARSE = 0.02, 0.07
+# Nearer to a cut the angles of faces that are gone are missing in the average: two widths of it.
+CUT = 2 * FINE
+
+
+def relief(mesh: TriangleMesh) -> Floats:
+    """The relief (n,) of a mesh in units of sqrt(area), 1 / length.
+
+    The signed root of Gaussian curvature, averaged over `FINE`, less the same over `COARSE`. The
+    root, as the curvature of a bump is that of its size squared, and tips would outweigh all else.
+    """
+    defects = angle_defects(mesh.vertices, mesh.faces)
+    defects[mesh.boundary_vertices] = 0.0
+    areas = np.maximum(mesh.vertex_areas, 1e-12 * mesh.area / mesh.vertex_count)
+    density = (defects / areas)[:, None]
+    fine, coarse = (diffused(mesh, density, width)[:, 0] for width in (FINE, COARSE))
+    return _signed_root(fine) - _signed_root(coarse)
+
+
+def alike_in_relief(questions: Both[Question], placements: Both[SharedPlacement]) -> float:
+    """How alike the reliefs of two pieces are where one lies on the other, in [-1, 1].
+
+    Spearman's rank correlation over what is shared, by area, mean of both directions; 0 where
+    nothing is shared. Ranks, since a nose or a hoof has more relief than all the rest.
+    """
+    reliefs = (relief(questions[0].part.mesh), relief(questions[1].part.mesh))
+    both = zip(questions, placements, reliefs, reliefs[::-1], strict=True)
+    return float(np.mean([_alike(*each) for each in both]))
+
+
+def _alike(question: Question, place: SharedPlacement, own: Floats, other: Floats) -> float:
+    full, part, points = question.full, question.part, place.trip.points
+    depth = np.minimum(part.cut_distance, points.interpolate(full.mesh, full.cut_distance))
+    trust = part.mesh.vertex_areas * place.shared * np.clip(depth / CUT, 0.0, 1.0)
+    rows = np.flatnonzero(trust > 0)
+    if len(rows) < 2:
+        return 0.0
+    there = points[rows].interpolate(full.mesh, other)
+    return _correlation(rankdata(own[rows]), rankdata(there), trust[rows])
+
+
+def _correlation(first: Floats, second: Floats, weights: Floats) -> float:
+    """Pearson's correlation with weights (n,); 0 if one of both is constant."""
+    first = first - np.average(first, weights=weights)
+    second = second - np.average(second, weights=weights)
+    spread = math.sqrt(float(weights @ first**2) * float(weights @ second**2))
+    return float(weights @ (first * second)) / spread if spread > 0 else 0.0
+
+
+def _signed_root(values: Floats) -> Floats:
+    result: Floats = np.sign(values) * np.sqrt(np.abs(values))
+    return result
