@@ -15,9 +15,10 @@ MOST = 32767
 INFINITE = -32768
 # Below it all numbers are 0: float32 would lose its exactness.
 LEAST_STEP = 2.0**-100
-# Steps of a turn: of 1.4 degrees. Two directions that are rounded are off by 0.6 together, those of
-# geodesics by several. They fit into a byte.
-TURN = 256
+# Steps of a turn: of 1e-4 radians, as directions are rounded for files, and two bytes. With one byte,
+# steps of 1.4 degrees, a match stays as good (SHREC'16), but of 50 overlaps of different species
+# four more were wrong.
+TURN = 65536
 
 
 def counts_of(values: Singles) -> tuple[NDArray[np.int16], float]:
@@ -63,7 +64,7 @@ def rounded(values: Singles) -> Singles:
     return result
 
 
-def steps_of(angles: NDArray[np.floating]) -> NDArray[np.uint8]:
+def steps_of(angles: NDArray[np.floating]) -> NDArray[np.uint16]:
     """Angles (any shape), in radians, in steps of a turn over `TURN`, from 0 on."""
     steps: NDArray[np.int64] = np.rint(angles * (TURN / (2.0 * np.pi))).astype(np.int64)
-    return (steps & (TURN - 1)).astype(np.uint8)
+    return (steps & (TURN - 1)).astype(np.uint16)

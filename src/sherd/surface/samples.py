@@ -120,12 +120,12 @@ class Samples:
         return nearest
 
     @cached_property
-    def leaving(self) -> NDArray[np.uint8]:
+    def leaving(self) -> NDArray[np.uint16]:
         """(s, s) `directions` in steps; see :func:`sherd.surface.counted.steps_of`."""
         return steps_of(self.directions)
 
     @cached_property
-    def arriving(self) -> NDArray[np.uint8]:
+    def arriving(self) -> NDArray[np.uint16]:
         """(s, s) `leaving` from the second sample to the first."""
         return np.ascontiguousarray(self.leaving.T)
 

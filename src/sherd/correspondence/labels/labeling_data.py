@@ -80,14 +80,14 @@ class FullGeometry(NamedTuple):
     directions
         Angles at which the geodesics from label i to label j leave i.
     leaving, arriving
-        The same from i to j and from j to i, in steps of a turn over `TURN`: so small that the
-        rows of all candidates of a node stay in the cache, which makes up half of the time.
+        The same from i to j and from j to i, in steps of a turn over `TURN`: a quarter of what
+        cosines and sines would take, and nearer to each other, which makes up half of the time.
     """
 
     between: NDArray[Any]
     directions: Singles
-    leaving: NDArray[np.uint8]
-    arriving: NDArray[np.uint8]
+    leaving: NDArray[np.uint16]
+    arriving: NDArray[np.uint16]
 
 
 def turn_costs(comparison: Comparison) -> Singles:
