@@ -15,7 +15,7 @@ MOST = 32767
 INFINITE = -32768
 # Below it all numbers are 0: float32 would lose its exactness.
 LEAST_STEP = 2.0**-100
-# Steps of a turn: of 1e-4 radians, as directions are rounded for files, and two bytes. With one byte,
+# Steps of a turn: of 1e-4 radians, as directions are rounded for files, in two bytes. With one, in
 # steps of 1.4 degrees, a match stays as good (SHREC'16), but of 50 overlaps of different species
 # four more were wrong.
 TURN = 65536
