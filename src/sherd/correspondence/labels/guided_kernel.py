@@ -20,6 +20,7 @@ from sherd.correspondence.labels.labeling_data import (
     State,
     turn_costs,
 )
+from sherd.correspondence.labels.message_passing_kernel import turn_steps
 from sherd.threads import over_rows
 
 __all__ = ["best_placed", "guided_turns"]
@@ -91,8 +92,7 @@ def _misfits(node, guides, part, full, state, comparison, turned, misfit):
         near = np.float32(1.0 / (1.0 + (length / GUIDE_LENGTH) ** 2))
         scale = np.float32(1.0 / (comparison.length_sigma + comparison.stretch_sigma * length))
         distances, leaving = full.between[labels[guide]], full.leaving[labels[guide]]
-        angle = directions[guide, node] - rotations[guide]
-        ahead = math.floor(angle * (len(turned) / (2.0 * math.pi)) + 0.5)
+        ahead = turn_steps(directions[guide, node] - rotations[guide], len(turned))
         for label in range(len(misfit)):
             # labels on other components are infinitely far
             distance = distances[label] if distances[label] < FAR else FAR

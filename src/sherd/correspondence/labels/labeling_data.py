@@ -6,12 +6,13 @@ sqrt(area of the full shape), angles in radians.
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sherd.arrays import Floats, Ints, Singles
+from sherd.arrays import Floats, Ints, Singles, frozen
 from sherd.surface.counted import TURN
 
 __all__ = ["Comparison", "EdgeMeasures", "FullGeometry", "PartGeometry", "State", "turn_costs"]
@@ -90,6 +91,7 @@ class FullGeometry(NamedTuple):
     arriving: NDArray[np.uint16]
 
 
+@cache  # a millisecond, and every node that is grown asks
 def turn_costs(comparison: Comparison) -> Singles:
     """What it costs (`TURN`,) when two directions differ by so many steps.
 
@@ -99,7 +101,7 @@ def turn_costs(comparison: Comparison) -> Singles:
     off = 2.0 - 2.0 * np.cos(np.arange(TURN) * (2.0 * np.pi / TURN))
     squared = off / comparison.angle_sigma**2
     costs: Singles = (squared / (1.0 + squared / comparison.limit)).astype(np.float32)
-    return costs
+    return frozen(costs)
 
 
 class State(NamedTuple):

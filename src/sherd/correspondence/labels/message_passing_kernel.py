@@ -19,7 +19,7 @@ from sherd.correspondence.labels.labeling_data import (
 )
 from sherd.threads import over_rows
 
-__all__ = ["labeling_costs", "pass_messages"]
+__all__ = ["labeling_costs", "pass_messages", "turn_steps"]
 
 
 # Labels on other components are infinitely far; this far costs the limit as well.
@@ -84,7 +84,7 @@ def _labeling_costs(  # noqa: PLR0913
         bound = np.float32((length - lower) * scale)
         weight = np.float32(measures.weight[edge])
         for b in range(count):
-            back[b] = _steps(directions[edge, 1] - rotations[second, b], steps)
+            back[b] = turn_steps(directions[edge, 1] - rotations[second, b], steps)
         for a in range(count):
             at = labels[first, a]
             for b in range(count):
@@ -92,7 +92,7 @@ def _labeling_costs(  # noqa: PLR0913
                 off[b] = (min(distance, FAR) - np.float32(length)) * scale
             _length_costs(off, measures.equality[edge], bound, comparison, fit)
             if turn > 0.0:
-                ahead = _steps(directions[edge, 0] - rotations[first, a], steps)
+                ahead = turn_steps(directions[edge, 0] - rotations[first, a], steps)
                 for b in range(count):
                     to = labels[second, b]
                     there = turned[(full.leaving[at, to] - ahead) & (steps - 1)]
@@ -104,7 +104,7 @@ def _labeling_costs(  # noqa: PLR0913
 
 
 @compiled(inline="always")
-def _steps(angle, turn):
+def turn_steps(angle, turn):
     """An angle in steps, of which a turn has so many, a power of two; by its last bits only."""
     return math.floor(angle * (turn / (2.0 * math.pi)) + 0.5)
 
