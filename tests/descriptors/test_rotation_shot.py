@@ -6,12 +6,14 @@ import numpy as np
 import pytest
 import trimesh
 
+from sherd.descriptors import rotation_shot
 from sherd.descriptors.rotation_kernel import similarity_of_two
 from sherd.descriptors.rotation_shot import (
     mirrored_spectra,
     pooled_similarity,
     rotation_spectra,
     shift_table,
+    similarity,
     weighted_spectra,
 )
 from sherd.descriptors.tangent_frames import geodesic_directions, smoothed_normals, tangent_axes
@@ -107,6 +109,21 @@ def test_similarity_of_candidates_is_the_pooled_one(potato: TriangleMesh) -> Non
         for point in range(4)
     ]
     assert np.allclose(pairs, pooled, atol=1e-5)
+
+
+def test_what_is_compared_at_a_time_does_not_matter(monkeypatch: pytest.MonkeyPatch) -> None:
+    """More points and vertices than a block has, and cells whose vertices lie in several."""
+    draw = np.random.default_rng(5).standard_normal
+    part, full = (draw((5, count, 24)).astype(np.float32) for count in (7, 40))
+    cells = np.arange(40) % 6
+    at_once = similarity(full, part), pooled_similarity(full, part, cells, 6)
+    monkeypatch.setattr(rotation_shot, "POINTS", 3)
+    monkeypatch.setattr(rotation_shot, "VERTICES", 11)
+    blocks = similarity(full, part), pooled_similarity(full, part, cells, 6)
+    for expected, found in zip(at_once, blocks, strict=True):
+        np.testing.assert_allclose(found, expected, rtol=1e-6, atol=1e-5)
+    members = at_once[0][:, cells == 2].max(axis=1)
+    np.testing.assert_allclose(at_once[1][:, 2].max(axis=1), members, rtol=1e-6)
 
 
 def test_smoothing_keeps_the_normals_of_a_sphere(potato: TriangleMesh) -> None:

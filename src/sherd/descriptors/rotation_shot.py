@@ -21,6 +21,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from functools import partial
+from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,6 +46,10 @@ __all__ = [
 
 # The first and last of the frequencies have no imaginary part.
 _REAL, _IMAGINARY = range(FREQUENCIES), range(1, FREQUENCIES - 1)
+
+# Part points, and full vertices, that are compared at a time. BLAS copies both factors first, which
+# for 25 points and all vertices took longer than the product (three times as long in all).
+POINTS, VERTICES = 250, 1250
 
 
 def rotation_spectra(
@@ -132,8 +137,8 @@ def similarity(full_spectra: Singles, part_spectra: Singles) -> Singles:
     """Similarity (q, n) of each part point with each full vertex, best over rotation."""
     result = np.empty((part_spectra.shape[1], full_spectra.shape[1]), dtype=np.float32)
     waves = shift_table()
-    for rows, parts in _compared(full_spectra, part_spectra):
-        over_rows(best_rotation, parts.shape[1], parts, waves, result[rows])
+    for rows, columns, parts in _compared(full_spectra, part_spectra):
+        over_rows(best_rotation, parts.shape[1], parts, waves, columns.start, result[rows])
     return result
 
 
@@ -145,39 +150,45 @@ def pooled_similarity(
     Entry (i, l, s) compares at rotation `2 pi s / shifts`: the angle of a direction in the frame
     of part point i minus the angle of the same direction in the frame of the full vertex.
     """
-    result = np.empty((part_spectra.shape[1], cell_count, shifts), dtype=np.float32)
+    result = np.full((part_spectra.shape[1], cell_count, shifts), -1.0, dtype=np.float32)
     waves = shift_table(shifts)
-    for rows, parts in _compared(full_spectra, part_spectra):
-        over_rows(pool_cells, parts.shape[1], parts, cells, waves, result[rows])
+    for rows, columns, parts in _compared(full_spectra, part_spectra):
+        over_rows(pool_cells, parts.shape[1], parts, cells[columns], waves, result[rows])
     return result
 
 
-def _compared(full_spectra: Singles, part_spectra: Singles) -> Iterator[tuple[slice, Singles]]:
-    """Slices of the part points, and the 8 numbers (8, q', n) that rotations are made from.
+def _compared(
+    full_spectra: Singles, part_spectra: Singles
+) -> Iterator[tuple[slice, slice, Singles]]:
+    """Slices of part points and of full vertices, and the 8 numbers that rotations are made from.
 
-    All blocks are written to one place of 8 MB, so a slice must be used before the next is asked
-    for; one BLAS thread for each product keeps the bits independent of the number of cores.
+    All blocks (8, q', n') are written to one place of 10 MB, so one must be used before the next is
+    asked for; one BLAS thread for each product keeps the bits independent of the number of cores.
     """
-    count, vertices = part_spectra.shape[1], full_spectra.shape[1]
-    block = max(1, int(2.5e5) // max(vertices, 1))
-    memory = np.empty(AZIMUTHS * min(block, count) * vertices, dtype=np.float32)
     half = part_spectra.shape[2] // 2
     widths = [2 * half if k in _IMAGINARY else half for k in _REAL]
     turned = np.concatenate([part_spectra[:, :, half:], -part_spectra[:, :, :half]], axis=2)
+    points = _blocks(part_spectra.shape[1], POINTS)
+    vertices = _blocks(full_spectra.shape[1], VERTICES)
+    memory = np.empty(AZIMUTHS * POINTS * VERTICES, dtype=np.float32)
     with one_blas_thread():
-        for start in range(0, count, block):
-            rows = slice(start, min(start + block, count))
-            shape = (AZIMUTHS, rows.stop - start, vertices)
+        for rows, columns in product(points, vertices):
+            shape = (AZIMUTHS, rows.stop - rows.start, columns.stop - columns.start)
             parts = memory[: math.prod(shape)].reshape(shape)
             products: list[tuple[Singles, Singles, Singles]] = [
-                (part_spectra[k, rows, :width], full_spectra[k, :, :width].T, parts[k])
+                (part_spectra[k, rows, :width], full_spectra[k, columns, :width].T, parts[k])
                 for k, width in zip(_REAL, widths, strict=True)
             ]
             products += [
-                (turned[k, rows], full_spectra[k].T, parts[FREQUENCIES + k - 1]) for k in _IMAGINARY
+                (turned[k, rows], full_spectra[k, columns].T, parts[FREQUENCIES + k - 1])
+                for k in _IMAGINARY
             ]
-            side_by_side([partial(np.matmul, *product) for product in products])
-            yield rows, parts
+            side_by_side([partial(np.matmul, *factors) for factors in products])
+            yield rows, columns, parts
+
+
+def _blocks(count: int, size: int) -> list[slice]:
+    return [slice(start, min(start + size, count)) for start in range(0, count, size)]
 
 
 def shift_table(shifts: int = 16) -> Singles:
