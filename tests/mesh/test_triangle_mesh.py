@@ -193,3 +193,12 @@ def test_closest_points_are_no_farther_than_a_dense_sample(seed):
     sample = np.einsum("pk,mkc->mpc", weights, mesh.vertices[mesh.faces]).reshape(-1, 3)
     best = np.linalg.norm(queries[:, None] - sample, axis=2).min(axis=1)
     assert (np.linalg.norm(queries - found, axis=1) <= best + 1e-9).all()
+
+
+def test_vertices_that_no_face_names_get_no_number() -> None:
+    faces = np.array([[5, 2, 9], [2, 5, 7]])
+    used, renamed = topology.renumbered(faces)
+    assert used.tolist() == [2, 5, 7, 9]
+    np.testing.assert_array_equal(used[renamed], faces)
+    nothing = topology.renumbered(faces[:0])
+    assert [each.shape for each in nothing] == [(0,), (0, 3)]

@@ -7,7 +7,7 @@ import pytest
 
 from sherd.mesh.surface_points import SurfacePoints, closest_points
 from sherd.mesh.triangle_mesh import TriangleMesh
-from sherd.results.distortion import edge_stretch, faces_preserved, mean_at_vertices
+from sherd.results.distortion import distortion, mean_at_vertices
 
 SQUARE = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], dtype=float)
 FACES = np.array([[0, 1, 2], [0, 2, 3]])
@@ -26,11 +26,23 @@ def laid(full: TriangleMesh, image: np.ndarray) -> SurfacePoints:
     return points
 
 
+def stretch_of(
+    part: TriangleMesh, full: TriangleMesh, points: SurfacePoints, scale: float = 1.0
+) -> np.ndarray:
+    return distortion(part, full, points, outward=UP, scale=scale).stretch
+
+
+def preserved(
+    part: TriangleMesh, full: TriangleMesh, points: SurfacePoints, outward: np.ndarray
+) -> np.ndarray:
+    return distortion(part, full, points, outward=outward, scale=1.0).preserved
+
+
 def test_the_logarithm_of_a_known_stretch(full: TriangleMesh) -> None:
     """Half as long again along x, a fifth shorter along y."""
     part = TriangleMesh(SQUARE, FACES)
     points = laid(full, SQUARE * [1.5, 0.8, 1.0])
-    stretch = edge_stretch(part, full, points, scale=1.0)
+    stretch = stretch_of(part, full, points, 1.0)
     found = {tuple(edge): value for edge, value in zip(part.edges.tolist(), stretch, strict=True)}
     assert found[0, 1] == pytest.approx(np.log(1.5))
     assert found[2, 3] == pytest.approx(np.log(1.5))
@@ -41,14 +53,14 @@ def test_the_logarithm_of_a_known_stretch(full: TriangleMesh) -> None:
 def test_the_scale_that_was_found_is_no_stretch(full: TriangleMesh) -> None:
     part = TriangleMesh(SQUARE / 3.0, FACES)
     points = laid(full, SQUARE)
-    np.testing.assert_allclose(edge_stretch(part, full, points, scale=3.0), 0.0, atol=1e-12)
-    np.testing.assert_allclose(edge_stretch(part, full, points, scale=1.0), np.log(3.0))
+    np.testing.assert_allclose(stretch_of(part, full, points, 3.0), 0.0, atol=1e-12)
+    np.testing.assert_allclose(stretch_of(part, full, points, 1.0), np.log(3.0))
 
 
 def test_edges_that_become_a_point_have_a_finite_stretch(full: TriangleMesh) -> None:
     part = TriangleMesh(SQUARE, FACES)
     points = laid(full, np.tile([1.0, 1.0, 0.0], (4, 1)))
-    stretch = edge_stretch(part, full, points, scale=1.0)
+    stretch = stretch_of(part, full, points, 1.0)
     assert np.isfinite(stretch).all()
     assert stretch.max() < -10
 
@@ -58,15 +70,18 @@ def test_faces_are_turned_over_by_a_reflection_only(full: TriangleMesh) -> None:
     shift = np.array([2.0, 2.0, 0.0])
     straight, turned = laid(full, SQUARE + shift), laid(full, SQUARE * [-1, 1, 1] + shift)
     half_turn = laid(full, SQUARE * [-1, -1, 1] + shift)
-    assert faces_preserved(part, full, straight, UP).all()
-    assert faces_preserved(part, full, half_turn, UP).all()
-    assert not faces_preserved(part, full, turned, UP).any()
-    assert faces_preserved(part, full, turned, -UP).all()
+    assert preserved(part, full, straight, UP).all()
+    assert preserved(part, full, half_turn, UP).all()
+    assert not preserved(part, full, turned, UP).any()
+    assert preserved(part, full, turned, -UP).all()
     # one corner folded over the diagonal
     folded = SQUARE + shift
     folded[3] = folded[1]
     folded[3, 1] += 0.1
-    assert faces_preserved(part, full, laid(full, folded), UP).tolist() == [True, False]
+    assert preserved(part, full, laid(full, folded), UP).tolist() == [
+        True,
+        False,
+    ]
 
 
 def test_means_at_vertices() -> None:

@@ -112,7 +112,7 @@ class WorkingPlacement:
 
 def query_vertices(question: Question, rng: np.random.Generator) -> Ints:
     """Choose the vertices (q,) of the part that look for similar places."""
-    used: Ints = np.unique(question.part.mesh.faces)
+    used = question.part.mesh.used_vertices
     if len(used) > QUERY_COUNT:
         used = np.sort(rng.choice(used, QUERY_COUNT, replace=False))
     return used

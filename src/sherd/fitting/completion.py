@@ -22,7 +22,7 @@ from sherd.fitting.border_loops import (
     without_pinched_borders,
 )
 from sherd.mesh.surface_points import closest_points
-from sherd.mesh.topology import component_labels
+from sherd.mesh.topology import component_labels, renumbered
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.results.fitted.completion import FITTED, Completion
 from sherd.results.fitted.fit_result import FittedPiece
@@ -130,8 +130,7 @@ def _runs_along(points: Floats, others: Floats, reach: float) -> bool:
 
 
 def _finished(vertices: Floats, faces: Ints, origin: Ints, fit: TriangleMesh) -> Completion:
-    used, renumbered = np.unique(faces, return_inverse=True)
-    faces = renumbered.reshape(-1, 3)
+    used, faces = renumbered(faces)
     closed = is_watertight(faces)
     open_full = len(fit.boundary_vertices) > 0
     reason = "" if closed else "the full shape is open" if open_full else "a gap is left"

@@ -13,7 +13,7 @@ from sherd.fitting.as_rigid_as_possible import Elasticity
 from sherd.fitting.deformation import Deformation, corners_of, with_rings, without_data
 from sherd.fitting.self_intersection import intersecting_faces, intersecting_pairs
 from sherd.mesh.geometry import closest_rotation, face_areas, face_normals
-from sherd.mesh.topology import component_labels
+from sherd.mesh.topology import component_labels, renumbered
 from sherd.mesh.triangle_mesh import TriangleMesh
 
 __all__ = ["new_crossings", "without_new_crossings"]
@@ -136,8 +136,7 @@ def _pushed_around(
     faces = elasticity.mesh.faces
     free = with_rings(elasticity, corners_of(elasticity, np.unique(pairs)), rings)
     patch = np.flatnonzero(free[faces].any(axis=1))
-    used, corners = np.unique(faces[patch], return_inverse=True)
-    corners = corners.reshape(-1, 3)
+    used, corners = renumbered(faces[patch])
     local = Elasticity(TriangleMesh(elasticity.rest[used], corners))
     start = Deformation(found.positions[used], found.rotations[used], found.sizes[used])
 

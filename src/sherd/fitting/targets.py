@@ -9,6 +9,7 @@ import numpy as np
 
 from sherd.arrays import Bools, Floats, Ints
 from sherd.errors import InfeasibleError
+from sherd.mesh.topology import renumbered
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.results.match_result import MatchResult
 from sherd.results.transfer import nearest_part_points
@@ -92,8 +93,8 @@ def matched_surface(matches: Sequence[MatchResult]) -> TriangleMesh:
     if not len(kept):
         names = ", ".join(match.part.name for match in matches)
         raise InfeasibleError(f"{names}: no face is matched, so there is nothing to fit to")
-    used, renumbered = np.unique(kept, return_inverse=True)
-    return TriangleMesh(np.concatenate(vertices)[used], renumbered.reshape(-1, 3), name="pieces")
+    used, faces_of_used = renumbered(kept)
+    return TriangleMesh(np.concatenate(vertices)[used], faces_of_used, name="pieces")
 
 
 def _targets_of_one(match: MatchResult) -> Targets:

@@ -11,7 +11,31 @@ from scipy.sparse import csgraph
 
 from sherd.arrays import Ints
 
-__all__ = ["adjacency", "boundary_edges", "component_labels", "half_edges", "unique_edges"]
+__all__ = [
+    "adjacency",
+    "boundary_edges",
+    "component_labels",
+    "half_edges",
+    "named_vertices",
+    "renumbered",
+    "unique_edges",
+]
+
+
+def named_vertices(faces: Ints, count: int) -> Ints:
+    """The vertices that a face names, ascending; they are marked, which a sort takes longer for."""
+    named = np.zeros(count, dtype=bool)
+    named[faces] = True
+    return np.flatnonzero(named)
+
+
+def renumbered(faces: Ints) -> tuple[Ints, Ints]:
+    """The vertices that the faces name, ascending, and the faces (m, 3) in their numbers."""
+    count = int(faces.max(initial=-1)) + 1
+    used = named_vertices(faces, count)
+    number = np.empty(count, dtype=np.int64)
+    number[used] = np.arange(len(used))
+    return used, number[faces]
 
 
 def half_edges(faces: Ints) -> Ints:

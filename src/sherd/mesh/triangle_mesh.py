@@ -140,6 +140,11 @@ class TriangleMesh(FrozenState):
         return -1 if np.einsum("mx,mx->", a, geometry.cross(b, c)) < 0 else 1
 
     @cached_property
+    def used_vertices(self) -> Ints:
+        """Indices of the vertices of a face, ascending."""
+        return frozen(topology.named_vertices(self.faces, self.vertex_count))
+
+    @cached_property
     def boundary_vertices(self) -> Ints:
         """Indices of the vertices on an edge with one face only, ascending."""
         return frozen(np.unique(topology.boundary_edges(self.faces)))
@@ -177,11 +182,6 @@ class TriangleMesh(FrozenState):
             raise InvalidMeshError(
                 f"face_mask has shape {mask.shape}, but {(self.face_count,)} is needed"
             )
-        kept = np.unique(self.faces[mask]) if mask.any() else np.empty(0, dtype=np.int64)
-        renumber = np.zeros(self.vertex_count, dtype=np.int64)
-        renumber[kept] = np.arange(len(kept))
+        kept, faces = topology.renumbered(self.faces[mask])
         fields = {key: values[kept] for key, values in self.fields.items()}
-        mesh = TriangleMesh(
-            self.vertices[kept], renumber[self.faces[mask]], fields=fields, name=self.name
-        )
-        return mesh, kept
+        return TriangleMesh(self.vertices[kept], faces, fields=fields, name=self.name), kept

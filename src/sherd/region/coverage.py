@@ -9,6 +9,7 @@ from scipy.spatial import cKDTree
 
 from sherd.arrays import Bools, Floats
 from sherd.energy.cleanup import raised_to_area, threshold_to_area
+from sherd.mesh.topology import named_vertices
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.spectral.operators import stiffness
 
@@ -77,7 +78,7 @@ def _near_border(mesh: TriangleMesh, covered: Bools) -> Bools:
     mixed = covered[mesh.faces].any(axis=1) & ~covered[mesh.faces].all(axis=1)
     if not mixed.any():
         return np.zeros(mesh.vertex_count, dtype=bool)
-    tree = cKDTree(mesh.vertices[np.unique(mesh.faces[mixed])])
+    tree = cKDTree(mesh.vertices[named_vertices(mesh.faces[mixed], mesh.vertex_count)])
     reach = BAND * WIDTH / np.sqrt(2)
     # through space it is nearer than along the surface, so nobody is left out
     distance = tree.query(mesh.vertices, distance_upper_bound=reach, workers=-1)[0]

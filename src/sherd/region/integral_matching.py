@@ -114,7 +114,7 @@ def interior_question(
 
 def ball_starts(mesh: TriangleMesh, area: float, *, count: int = START_COUNT) -> Floats:
     """Geodesic balls of the given area around farthest points, (count, n) float 0 or 1."""
-    used = np.unique(mesh.faces)
+    used = mesh.used_vertices
     first = int(used[np.linalg.norm(mesh.vertices[used], axis=1).argmax()])
     _, distances = farthest_point_sample(Geodesics(mesh), min(count, len(used)), start=first)
     order = np.argsort(distances, axis=1, kind="stable")

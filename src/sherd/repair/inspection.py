@@ -204,7 +204,7 @@ def _repaired(mesh: TriangleMesh) -> tuple[TriangleMesh | None, tuple[RepairStep
 
 
 def _extent(mesh: TriangleMesh) -> tuple[float, float, float]:
-    x, y, z = np.ptp(mesh.vertices[np.unique(mesh.faces)], axis=0).tolist()
+    x, y, z = np.ptp(mesh.vertices[mesh.used_vertices], axis=0).tolist()
     return x, y, z
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from sherd.arrays import Floats, Ints
 from sherd.drawing.colors import correspondence_layer, full_layer, part_layer
 from sherd.drawing.exhibit import Alternative, Exhibit, Layer, Partner, Verdict
-from sherd.mesh.surface_points import SurfacePoints
+from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.report.files import corr_text, painted_ply, table_csv
 from sherd.report.frame import (
     Content,
@@ -28,7 +28,7 @@ from sherd.report.frame import (
 from sherd.report.known_layers import error_layer, file_layers, known_layer
 from sherd.report.stored.folder import MATCH_FORMAT
 from sherd.report.stored.stored_match import stored_alternatives
-from sherd.results.distortion import edge_stretch, faces_preserved, mean_at_vertices
+from sherd.results.distortion import Distortion, distortion, mean_at_vertices
 from sherd.results.match_result import MatchResult
 from sherd.results.placement import Placement
 from sherd.results.status import Status
@@ -151,7 +151,12 @@ def _alternative(result: MatchResult, other: Placement, errors: Floats | None) -
         part_layers=(
             known_layer("confidence", unknown),
             Layer("matched", undecided, "category", description="Not decided for this placement."),
-            *_map_layers(result, points),
+            *_map_layers(
+                result.part,
+                distortion(
+                    result.part, result.full, points, outward=result.outward, scale=result.scale
+                ),
+            ),
             *(() if errors is None else (error_layer(unknown),)),
         ),
     )
@@ -174,20 +179,17 @@ def _part_layers(result: MatchResult, errors: Floats | None) -> tuple[Layer, ...
     return (
         known_layer("confidence", result.confidence),
         known_layer("matched", result.matched),
-        *_map_layers(result, result.points),
+        *_map_layers(result.part, result.distortion),
         *(() if errors is None else (error_layer(errors),)),
         *file_layers(result.part.fields),
     )
 
 
-def _map_layers(result: MatchResult, points: SurfacePoints) -> tuple[Layer, Layer]:
+def _map_layers(part: TriangleMesh, bent: Distortion) -> tuple[Layer, Layer]:
     """Mean log stretch of the edges and share of unturned faces at each part vertex."""
-    part, full = result.part, result.full
-    stretch = edge_stretch(part, full, points, scale=result.scale)
-    preserved = faces_preserved(part, full, points, result.outward).astype(np.float64)
-    count = part.vertex_count
+    count, preserved = part.vertex_count, bent.preserved.astype(np.float64)
     return (
-        known_layer("distortion", mean_at_vertices(stretch, part.edges, count)),
+        known_layer("distortion", mean_at_vertices(bent.stretch, part.edges, count)),
         known_layer("orientation", mean_at_vertices(preserved, part.faces, count)),
     )
 

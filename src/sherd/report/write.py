@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
-from typing import Any, TypeAlias
+from importlib import import_module
+from typing import TYPE_CHECKING, Any, TypeAlias, Union
 
 from PIL import Image
 
@@ -12,29 +13,41 @@ from sherd.arrays import Floats
 from sherd.drawing.picture import picture, png_bytes, stage, without_heading
 from sherd.errors import InputError
 from sherd.report.exports import exported
-from sherd.report.fitted.fit_report import fit_report
 from sherd.report.frame import Report
 from sherd.report.html import packed, page_of
-from sherd.report.locate_report import locate_report
-from sherd.report.many.identify_report import identify_report
-from sherd.report.match_report import match_report
-from sherd.report.overlap_report import overlap_report
-from sherd.report.puzzle.assembly_report import assembly_report
-from sherd.report.puzzle.joined_report import joined_report
 from sherd.report.stored.folder import plain
 from sherd.result_folder import ResultFolder, kind_of, replaceable_files
-from sherd.results.fitted.fit_result import Fit
-from sherd.results.locate_result import LocateResult
-from sherd.results.many.identification import Identification
-from sherd.results.match_result import MatchResult
-from sherd.results.overlap_result import Overlap
-from sherd.results.puzzle.assembly import Assembly
-from sherd.results.puzzle.joined import Joined
 from sherd.threads import begun
+
+if TYPE_CHECKING:  # who writes one kind of result waits for no other to be loaded
+    from sherd.results.fitted.fit_result import Fit
+    from sherd.results.locate_result import LocateResult
+    from sherd.results.many.identification import Identification
+    from sherd.results.match_result import MatchResult
+    from sherd.results.overlap_result import Overlap
+    from sherd.results.puzzle.assembly import Assembly
+    from sherd.results.puzzle.joined import Joined
 
 __all__ = ["report_of", "write_report"]
 
-Result: TypeAlias = MatchResult | LocateResult | Overlap | Assembly | Joined | Identification | Fit
+Result: TypeAlias = Union[
+    "MatchResult", "LocateResult", "Overlap", "Assembly", "Joined", "Identification", "Fit"
+]
+
+# Who describes a result of each class, in which module.
+_REPORTS = {
+    "sherd.results.fitted.fit_result.Fit": "sherd.report.fitted.fit_report.fit_report",
+    "sherd.results.locate_result.LocateResult": "sherd.report.locate_report.locate_report",
+    "sherd.results.many.identification.Identification": (
+        "sherd.report.many.identify_report.identify_report"
+    ),
+    "sherd.results.match_result.MatchResult": "sherd.report.match_report.match_report",
+    "sherd.results.overlap_result.Overlap": "sherd.report.overlap_report.overlap_report",
+    "sherd.results.puzzle.assembly.Assembly": (
+        "sherd.report.puzzle.assembly_report.assembly_report"
+    ),
+    "sherd.results.puzzle.joined.Joined": "sherd.report.puzzle.joined_report.joined_report",
+}
 
 
 def write_report(
@@ -127,28 +140,24 @@ def report_of(
     texture: str | os.PathLike[str] | None = None,
 ) -> Report:
     """What there is to write of a result, and to show."""
-    if isinstance(result, Fit):
-        if errors is not None:
-            raise InputError("errors are of the points of a match; a fit has none")
-        return fit_report(result, command=command, texture=texture)
-    if texture is not None:
-        raise InputError("a texture is for a fit, whose fit.obj keeps it")
-    if isinstance(result, MatchResult):
-        return match_report(result, command=command, errors=errors)
-    if type(result) not in _REPORTS:
+    kind = type(result).__name__
+    if f"{type(result).__module__}.{kind}" not in _REPORTS:
         raise InputError(
-            f"a {type(result).__name__} is no result of match, locate, overlap, assemble, identify "
-            "or fit"
+            f"a {kind} is no result of match, locate, overlap, assemble, identify or fit"
         )
+    extras: dict[str, Any] = {}
     if errors is not None:
-        raise InputError("errors are of the points of a match; a region has none")
-    return _REPORTS[type(result)](result, command=command)
+        if kind != "MatchResult":
+            raise InputError(f"errors are of the points of a match; a {kind} has none")
+        extras["errors"] = errors
+    if texture is not None:
+        if kind != "Fit":
+            raise InputError("a texture is for a fit, whose fit.obj keeps it")
+        extras["texture"] = texture
+    return _report_of(type(result))(result, command=command, **extras)
 
 
-_REPORTS: dict[type, Callable[..., Report]] = {
-    Assembly: assembly_report,
-    Identification: identify_report,
-    Joined: joined_report,
-    LocateResult: locate_report,
-    Overlap: overlap_report,
-}
+def _report_of(kind: type) -> Callable[..., Report]:
+    module, name = _REPORTS[f"{kind.__module__}.{kind.__name__}"].rsplit(".", 1)
+    described: Callable[..., Report] = getattr(import_module(module), name)
+    return described

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from sherd.arrays import Bools, Floats
@@ -9,17 +11,38 @@ from sherd.mesh.geometry import face_cross, lengths
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
 
-__all__ = ["edge_stretch", "faces_preserved", "mean_at_vertices"]
+__all__ = ["Distortion", "distortion", "mean_at_vertices"]
 
 # Edges that the map makes a point, or that were one, have no logarithm; lengths count from here up,
 # in units of the full shape's.
 TINY = 1e-9
 
 
-def edge_stretch(
-    part: TriangleMesh, full: TriangleMesh, points: SurfacePoints, *, scale: float
-) -> Floats:
-    """`log(mapped length / length)` of the part's edges (e,), at the scale that was found.
+class Distortion(NamedTuple):
+    """What a map does to the part.
+
+    Attributes
+    ----------
+    stretch
+        (e,) `log(mapped length / length)` of the part's edges, at the scale that was found.
+    preserved
+        (m,) whether each face keeps its orientation: one is turned over if its image runs the
+        other way around than the full shape there.
+    """
+
+    stretch: Floats
+    preserved: Bools
+
+
+def distortion(
+    part: TriangleMesh,
+    full: TriangleMesh,
+    points: SurfacePoints,
+    *,
+    outward: Floats,
+    scale: float,
+) -> Distortion:
+    """How the edges and faces of the part fare under a map.
 
     Parameters
     ----------
@@ -27,6 +50,8 @@ def edge_stretch(
         The two shapes.
     points
         (n_part,) where the part's vertices lie on `full`.
+    outward
+        (n_full, 3) outward normals at the full shape's vertices.
     scale
         Factor that the part was enlarged by.
     """
@@ -36,21 +61,9 @@ def edge_stretch(
     before = lengths(part.vertices[second] - part.vertices[first]) * scale
     after = lengths(image[second] - image[first])
     stretch: Floats = np.log(np.maximum(after, tiny) / np.maximum(before, tiny))
-    return stretch
-
-
-def faces_preserved(
-    part: TriangleMesh, full: TriangleMesh, points: SurfacePoints, outward: Floats
-) -> Bools:
-    """Whether each face of the part (m,) keeps its orientation.
-
-    A face is turned over if its image runs the other way around than the full shape there, whose
-    outward normals at the vertices are `outward` (n_full, 3).
-    """
-    normals = face_cross(points.positions(full), part.faces)
     up = points.interpolate(full, outward)[part.faces].sum(axis=1)
-    preserved: Bools = (normals * up).sum(axis=1) > 0
-    return preserved
+    preserved: Bools = (face_cross(image, part.faces) * up).sum(axis=1) > 0
+    return Distortion(stretch, preserved)
 
 
 def mean_at_vertices(values: Floats, elements: np.ndarray, vertex_count: int) -> Floats:

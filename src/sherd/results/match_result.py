@@ -19,12 +19,13 @@ from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.results.advice import UnfollowedLandmark
 from sherd.results.display import picture_html, table_html
-from sherd.results.distortion import edge_stretch, faces_preserved
+from sherd.results.distortion import Distortion, distortion
 from sherd.results.match_options import MatchOptions
 from sherd.results.placement import Placement
 from sherd.results.status import Status
 from sherd.results.transfer import TransferMethods, nearest_part_points
 from sherd.scan.numbering import outward_normals
+from sherd.threads import cached_property
 
 if TYPE_CHECKING:
     import trimesh
@@ -265,14 +266,17 @@ class MatchResult(FrozenState, TransferMethods):
         )
         return full, part
 
+    @cached_property
+    def distortion(self) -> Distortion:
+        """Stretch of the part's edges and orientation of its faces under the map."""
+        return distortion(self.part, self.full, self.points, outward=self.outward, scale=self.scale)
+
     def check(self) -> MatchCheck:
         """Re-derive area, distortion and orientation from the meshes; see :class:`MatchCheck`."""
-        full, part, points = self.full, self.part, self.points
-        stretch = edge_stretch(part, full, points, scale=self.scale)
-        stretch = np.abs(stretch[self.matched[part.edges].all(axis=1)])
+        full, part, bent = self.full, self.part, self.distortion
+        stretch = np.abs(bent.stretch[self.matched[part.edges].all(axis=1)])
         median = float(np.median(stretch)) if len(stretch) else float("nan")
-        kept = faces_preserved(part, full, points, self.outward)
-        preserved = float(part.face_areas[kept].sum() / part.area)
+        preserved = float(part.face_areas[bent.preserved].sum() / part.area)
         area = float(full.vertex_areas[self.best.mask].sum())
         area_ratio = area / (part.area * self.scale**2)
         passed = (

@@ -21,7 +21,6 @@ from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.repair.repair import RepairReport, repair
 from sherd.repair.sheets import without_crumbs
 from sherd.repair.sides import side_is_unclear
-from sherd.scan.surface_from_points import surface_from_points
 
 __all__ = ["Intake", "MeshSource", "ScanSource", "mesh_intake", "scan_intake"]
 
@@ -104,6 +103,8 @@ def scan_intake(source: ScanSource | Intake) -> Intake:
 
 
 def _surface(cloud: PointCloud) -> Intake:
+    from sherd.scan.surface_from_points import surface_from_points  # noqa: PLC0415 - meshes need none of it
+
     original = surface_from_points(cloud)
     known = cloud.normals is not None
     said = (

@@ -7,6 +7,7 @@ import numpy as np
 from sherd.arrays import Bools, Floats, Ints
 from sherd.errors import InfeasibleError
 from sherd.mesh.surface_points import SurfacePoints, points_at_vertices
+from sherd.mesh.topology import renumbered
 from sherd.mesh.triangle_mesh import TriangleMesh
 
 __all__ = ["clip"]
@@ -90,8 +91,7 @@ def _assembled(
     # the two faces at an edge cut it once
     _, first, place = np.unique(inner * count + outer, return_index=True, return_inverse=True)
     renumber = np.concatenate([np.arange(count), count + place])
-    kept, faces = np.unique(renumber[faces], return_inverse=True)
-    faces = faces.reshape(-1, 3)
+    kept, faces = renumbered(renumber[faces])
     old, new = kept[kept < count], first[kept[kept >= count] - count]
     inner, outer, face = inner[new], outer[new], face[new]
     t = (level[inner] / (level[inner] - level[outer]))[:, None]

@@ -197,8 +197,8 @@ def _without_spikes(vertices: Floats, faces: Ints) -> tuple[Floats, Ints]:
         second = np.where((ring[:, 1, 1] == ring[:, 0, 2]), ring[:, 1, 2], ring[:, 2, 2])
         below = np.stack([ring[:, 0, 1], ring[:, 0, 2], second], axis=1)
         faces = np.concatenate([np.delete(faces, rows, axis=0), below])
-        kept, renumbered = np.unique(faces, return_inverse=True)
-        vertices, faces = vertices[kept], renumbered.reshape(-1, 3)
+        kept, faces = topology.renumbered(faces)
+        vertices = vertices[kept]
 
 
 @lru_cache(maxsize=8)

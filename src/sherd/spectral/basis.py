@@ -14,6 +14,7 @@ from sherd.arrays import Floats, FrozenState, frozen
 from sherd.errors import OptionError
 from sherd.limits import require_memory
 from sherd.mesh.geometry import edge_lengths
+from sherd.mesh.topology import renumbered
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.spectral.operators import stiffness
 from sherd.threads import one_blas_thread
@@ -133,10 +134,8 @@ def robust_operators(mesh: TriangleMesh) -> tuple[sparse.csr_array, Floats]:
     ----------
     Sharp and Crane, *A Laplacian for nonmanifold triangle meshes*, 2020.
     """
-    used = np.unique(mesh.faces)
-    renumber = np.zeros(mesh.vertex_count, dtype=np.int64)
-    renumber[used] = np.arange(len(used))
-    weak, mass = robust_laplacian.mesh_laplacian(mesh.vertices[used], renumber[mesh.faces])
+    used, faces = renumbered(mesh.faces)
+    weak, mass = robust_laplacian.mesh_laplacian(mesh.vertices[used], faces)
     areas = np.zeros(mesh.vertex_count)
     areas[used] = mass.diagonal()
     # spread the matrix back to the numbering of the mesh

@@ -54,7 +54,7 @@ def denoised(mesh: TriangleMesh) -> TriangleMesh:
     Desbrun, Meyer, Schroeder, Barr, *Implicit fairing of irregular meshes using diffusion and
     curvature flow*, 1999, equation 9. The border stays where it is: it would shrink.
     """
-    used = np.unique(mesh.faces)
+    used = mesh.used_vertices
     square = mesh.area / len(used)  # of the spacing
     time = TIME * noise_level(mesh) ** 2
     if time < SHORTEST * square:

@@ -54,7 +54,7 @@ class Geodesics:
         self._count = mesh.vertex_count
         self._labels = mesh.component_labels
         self._connected = bool((self._labels == 0).all())
-        self._used = np.unique(mesh.faces)
+        self._used = mesh.used_vertices
         self._local = np.full(self._count, -1, dtype=np.int64)
         self._local[self._used] = np.arange(len(self._used))
         self._unit = mesh.length

@@ -241,8 +241,8 @@ def _decimated(
 def _compact(vertices: Floats, faces: Ints) -> tuple[Floats, Ints]:
     """Without faces that name a vertex twice and without unreferenced vertices."""
     proper = (faces != np.roll(faces, 1, axis=1)).all(axis=1)
-    used, renumbered = np.unique(faces[proper], return_inverse=True)
-    return vertices[used], renumbered.reshape(-1, 3).astype(np.int64)
+    used, renumbered = topology.renumbered(faces[proper])
+    return vertices[used], renumbered
 
 
 def _on_surface(

@@ -310,7 +310,7 @@ class DescribedSurface:
 
 
 def _spread_vertices(mesh: TriangleMesh) -> Ints:
-    used = np.unique(mesh.faces)
+    used = mesh.used_vertices
     if len(used) <= SPREAD_COUNT:
         return used
     points = mesh.vertices[used]

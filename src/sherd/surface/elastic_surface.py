@@ -75,7 +75,7 @@ def _across_gaps(mesh: TriangleMesh) -> sparse.csr_array:
     first, found = other.argmax(axis=1), np.flatnonzero(other.any(axis=1))
     gap = length[found, first[found]]
     ends = border[found], border[near[found, first[found]]]
-    spacing = np.sqrt(mesh.area / len(np.unique(mesh.faces)))
+    spacing = np.sqrt(mesh.area / len(mesh.used_vertices))
     weights = np.minimum(spacing / np.maximum(gap, 1e-12), 1.0)
     springs = sparse.csr_array((weights, ends), shape=(count, count))
     return springs.maximum(springs.T).tocsr()

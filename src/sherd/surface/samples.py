@@ -144,7 +144,7 @@ def dense_samples(working: WorkingSurface, frames: Frames, count: int = DENSE_CO
     # the start is the vertex farthest from the center: it does not depend on numbering
     start = int(np.linalg.norm(ruler.vertices, axis=1).argmax())
     geodesics = Geodesics(ruler)
-    vertices = farthest_points(geodesics, min(count, len(np.unique(ruler.faces))), start=start)
+    vertices = farthest_points(geodesics, min(count, len(ruler.used_vertices)), start=start)
     distances = geodesics.singles_from(vertices)
     if split:
         distances = np.concatenate([distances, _carried(distances, ruler, mesh)], axis=1)
@@ -169,7 +169,7 @@ def sparse_samples(
     also
         (p,) vertices that must be among the samples.
     """
-    used = np.unique(mesh.faces)
+    used = mesh.used_vertices
     start = int(used[depth[used].argmax()])
     count = min(SPARSE_COUNT, len(used))
     vertices = farthest_points(geodesics, count, start=start)

@@ -11,6 +11,7 @@ from sherd.correspondence.registration import surface_points
 from sherd.correspondence.shared.judgment import shared_confidence
 from sherd.correspondence.shared.two_way_placement import CLOSED
 from sherd.mesh.surface_points import closest_points
+from sherd.mesh.topology import renumbered
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.overlap import HALF
 from sherd.puzzle.growing.union import Join, Union
@@ -58,8 +59,8 @@ def _piece_of(union: Union, piece: int) -> TriangleMesh:
     faces = union.faces_of(piece)
     if not len(faces):
         return union.mesh  # no map leads there
-    used, renamed = np.unique(faces, return_inverse=True)
-    return TriangleMesh(union.places[used], renamed.reshape(-1, 3))
+    used, renamed = renumbered(faces)
+    return TriangleMesh(union.places[used], renamed)
 
 
 def _image(join: Join, side: int, full: Union) -> tuple[Ints, Floats, Floats]:

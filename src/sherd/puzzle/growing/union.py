@@ -21,7 +21,7 @@ from sherd.errors import InvalidMeshError
 from sherd.mesh.geometry import closest_rotation, edge_lengths, vertex_normals
 from sherd.mesh.point_cloud import PointCloud
 from sherd.mesh.surface_points import closest_points
-from sherd.mesh.topology import component_labels
+from sherd.mesh.topology import component_labels, renumbered
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.puzzle.growing.meeting import Meeting
 from sherd.scan.intake import scan_intake
@@ -101,9 +101,9 @@ def united(join: Join) -> Union:
     used[first.vertex_count :] |= added
     seam = _seam(points, facing, faces, np.flatnonzero(used), first.vertex_count)
     faces = np.concatenate([faces, seam])
-    kept, renamed = np.unique(faces, return_inverse=True)
+    kept, renamed = renumbered(faces)
     unit = max(here.mesh.length, there.mesh.length)
-    rough = TriangleMesh(points[kept] * unit, renamed.reshape(-1, 3), name=here.mesh.name)
+    rough = TriangleMesh(points[kept] * unit, renamed, name=here.mesh.name)
     origins = [_origins(here, question.full), _origins(there, question.part)]
     owner = np.concatenate([each[0] for each in origins])[kept]
     places = np.concatenate([each[1] for each in origins])[kept]
