@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import subprocess
 import sys
 import threading
 import time
+import weakref
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
@@ -100,6 +102,23 @@ def test_callers_that_are_all_busy_do_not_wait_for_each_other() -> None:
     over_rows(outer, 20, visited)
     set_thread_count(usual)
     assert (visited == 1).all()
+
+
+def test_what_is_taken_back_from_a_busy_pool_is_let_go() -> None:
+    usual = thread_count()
+    set_thread_count(2)
+    done = threading.Event()
+    busy = begun(done.wait)
+    out = np.zeros(1000)
+    kept = weakref.ref(out)
+    over_rows(lambda rows, out: out.fill(len(rows)), 1000, out)
+    assert out.sum() == 2000
+    del out
+    gc.collect()
+    assert kept() is None
+    done.set()
+    assert busy()
+    set_thread_count(usual)
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="this system cannot fork")

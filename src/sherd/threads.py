@@ -13,7 +13,7 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from itertools import pairwise
 from threading import Lock
-from typing import Any, TypeVar, overload
+from typing import Any, Generic, TypeVar, overload
 
 __all__ = [
     "begun", "cached_property", "one_blas_thread", "over_rows", "set_thread_count", "side_by_side",
@@ -90,12 +90,12 @@ def over_rows(kernel: Callable[..., None], count: int, *arguments: Any) -> None:
         for rows in slices:  # taking the next of a list is atomic
             kernel(rows, *arguments)
 
-    others = [_pool(threads - 1).submit(work) for _ in range(min(threads, number) - 1)]
+    others = [_Given(work, threads - 1) for _ in range(min(threads, number) - 1)]
     try:
         work()
     finally:
         for other in others:
-            if not other.cancel():
+            if not other.taken_back():
                 other.result()
 
 
@@ -107,8 +107,8 @@ def begun(work: Callable[[], Result]) -> Callable[[], Result]:
     """
     if thread_count() == 1:
         return work
-    task = _pool(thread_count() - 1).submit(work)
-    return lambda: work() if task.cancel() else task.result()
+    given = _Given(work, thread_count() - 1)
+    return lambda: work() if given.taken_back() else given.result()
 
 
 def side_by_side(works: Iterable[Callable[[], Result]]) -> list[Result]:
@@ -119,6 +119,32 @@ def side_by_side(works: Iterable[Callable[[], Result]]) -> list[Result]:
     """
     results = [begun(work) for work in works]
     return [result() for result in reversed(results)][::-1]
+
+
+class _Given(Generic[Result]):
+    """A work given to the pool of so many threads, which can be taken back until it is begun.
+
+    The pool keeps what was taken back until a thread comes to it. What is left of it there is
+    empty: its arrays would be kept for seconds, up to a quarter of the memory of a `match`.
+    """
+
+    def __init__(self, work: Callable[[], Result], threads: int) -> None:
+        self._work = [work]
+        self._future = _pool(threads).submit(self._begin)
+
+    def _begin(self) -> Result:
+        return self._work.pop()()
+
+    def taken_back(self) -> bool:
+        """Whether nobody has begun it; then nobody will."""
+        back = self._future.cancel()
+        if back:
+            self._work.clear()
+        return back
+
+    def result(self) -> Result:
+        """What it returns, when it is done."""
+        return self._future.result()
 
 
 @contextmanager
