@@ -66,10 +66,10 @@ CONTINUED_LENGTH = 0.1
 # 0.94, with 0.01 0.955, with 0.03 1.00.
 KEPT_LENGTH = 0.003
 # Rotations that change fast squeeze what lies on the inner side of a bend. While hidden area
-# changes by more than this, a bit less than what a fit is doubted for, rounds of
-# as-rigid-as-possible spread the bend. Each brings some of the lever back: eight of them everywhere
-# would cost 0.025 of the ratio above.
-MOST_SQUEEZED, SPREADING_ROUNDS = 0.03, 30
+# changes by more than this, less than the 0.05 that a fit is doubted for, as what follows changes
+# it by up to 0.01, rounds of as-rigid-as-possible spread the bend. Each brings some of the lever
+# back: eight of them everywhere would cost 0.025 of the ratio above.
+MOST_SQUEEZED, SPREADING_ROUNDS = 0.04, 30
 
 Smoothing: TypeAlias = Callable[[Floats, Floats], Floats]
 
