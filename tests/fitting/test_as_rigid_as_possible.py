@@ -70,6 +70,39 @@ def test_smoothing_keeps_constants_and_continues_what_is_known(elasticity) -> No
     assert np.allclose(nobody, 3, atol=1e-6)
 
 
+def test_a_continuation_goes_on_as_values_change_and_comes_to_rest(elasticity) -> None:
+    """A value that grows by 1 per length goes on by about the given length, and no farther."""
+    height = elasticity.rest[:, 0]
+    known = height < 0.05
+    firm = known / 0.003**2
+    ones = np.ones((len(height), 1))
+    assert np.allclose(elasticity.continuation(firm, 0.1)(7 * ones, 0 * ones), 7, atol=1e-3)
+    value = height[:, None]
+
+    def farthest(length: float) -> float:
+        found = elasticity.continuation(firm, length)(value, 0 * ones)[:, 0]
+        assert np.abs(found - height)[known].max() < 0.01
+        return float(found[~known].mean() - height[known].max())
+
+    steps = [farthest(length) for length in (0.0, 0.03, 0.1)]
+    assert steps[0] < steps[1] < steps[2]
+    assert steps[0] < 0.0  # nothing new beyond what is known
+    assert 0.02 < steps[2] < 0.15
+    nobody = elasticity.continuation(0 * firm, 0.1)(7 * ones, 3 * ones)
+    assert np.allclose(nobody, 3, atol=1e-4)
+
+
+def test_what_was_seen_tells_its_rotation_whatever_lies_beyond(elasticity) -> None:
+    seen = elasticity.rest[:, 0] > 0
+    moved = elasticity.rest @ TURN.T
+    moved[~seen] = 0.0
+    rotations, known = elasticity.seen_rotations(moved, seen)
+    assert np.allclose(rotations[known], TURN, atol=1e-9)
+    assert not known[~seen].any()
+    assert known[seen].mean() > 0.9
+    assert not np.allclose(elasticity.fitted_rotations(moved)[known], TURN, atol=1e-3)
+
+
 def test_a_pose_has_no_size_and_another_body_has(elasticity) -> None:
     seen = (elasticity.rest[:, 0] > 0).astype(float)
     stretched = elasticity.rest * [1.0, 1.0 + 0.5 * STRETCH, 1.0]

@@ -14,6 +14,7 @@ Sorkine, Alexa, *As-rigid-as-possible surface modeling*, 2007, equations 3, 5, 8
 Levi, Gotsman, *Smooth rotation enhanced as-rigid-as-possible mesh animation*, 2015, equation 5:
 the smooth rotations; here they are smoothed by one linear problem for all vertices, then projected,
 and the length over which that happens differs between what was seen and what was not.
+Schweikert, *An interpolation curve using a spline in tension*, 1966: the continuation.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
-from sherd.arrays import Floats
+from sherd.arrays import Bools, Floats
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.surface.elastic_surface import ElasticSurface, elastic_surface
 from sherd.threads import cached_property
@@ -34,6 +35,8 @@ __all__ = ["Elasticity"]
 
 # Components without data stay where they are; beside cotangents of order 1 this moves nothing.
 HOLD = 1e-9
+# Edges of a vertex that say how it is turned: two lie in one plane with any noise.
+FEWEST_EDGES = 3
 
 
 class Elasticity:
@@ -63,6 +66,21 @@ class Elasticity:
         from sherd.correspondence.elastic_kernel import fit_rotations  # noqa: PLC0415 - numba
 
         return fit_rotations(self.surface, positions)
+
+    def seen_rotations(self, positions: Floats, seen: Bools) -> tuple[Floats, Bools]:
+        """The rotation of each vertex (n, 3, 3) that fits those edges best that were seen whole.
+
+        And which vertices (n,) have the three such edges that tell a rotation from noise.
+        """
+        from sherd.correspondence.elastic_kernel import fit_rotations  # noqa: PLC0415 - numba
+
+        pointers, neighbors, weights, _ = self.surface
+        whole = np.repeat(seen, np.diff(pointers)) & seen[neighbors]
+        edges = sparse.csr_array(
+            (whole.astype(np.float64), neighbors, pointers), self.springs.shape
+        )
+        known: Bools = np.asarray(edges.sum(axis=1)) >= FEWEST_EDGES
+        return fit_rotations(self.surface._replace(weights=weights * whole), positions), known
 
     def strains(self, positions: Floats, turns: Floats) -> Floats:
         """Relative strain (n,) at each vertex, beside the rotations times sizes `turns`."""
@@ -117,6 +135,35 @@ class Elasticity:
             return solve(known[:, None] * values + (HOLD * self.areas)[:, None] * otherwise)
 
         return smoothed
+
+    def continuation(self, firmness: Floats, length: float) -> Callable[[Floats, Floats], Floats]:
+        """The solver that minimizes `sum a_i f_i |x_i - v_i|^2 + E_1 + length^2 E_2`.
+
+        E_1 is the integral of the squared gradient of x, E_2 that of its squared Laplacian: a
+        spline under tension. Where nothing is known x goes on as it changed at the border, and so
+        less and less over `length`; with a length of 0 it would not go on at all.
+
+        Parameters
+        ----------
+        firmness
+            (n,) the f_i, at least 0.
+        length
+            In units of the mesh.
+
+        Returns
+        -------
+        function
+            Of values v (n, k) and of others (n, k), which components without firmness get.
+        """
+        bends = self.laplacian @ sparse.diags_array(1.0 / self.areas) @ self.laplacian
+        known = self.areas * firmness
+        stiff = self.laplacian + length**2 * bends
+        solve = _factorized((stiff + sparse.diags_array(known + HOLD)).tocsr())
+
+        def continued(values: Floats, otherwise: Floats) -> Floats:
+            return solve(known[:, None] * values + HOLD * otherwise)
+
+        return continued
 
     def _turned_edges(self, turns: Floats) -> Floats:
         """Sum over the edges of each vertex of w_ij (A_i + A_j) / 2 (y_i - y_j), (n, 3)."""

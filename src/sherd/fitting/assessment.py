@@ -11,13 +11,12 @@ from sherd.arrays import Bools, Floats, Ints
 from sherd.fitting.as_rigid_as_possible import Elasticity
 from sherd.fitting.chance import chances, distances_beyond
 from sherd.fitting.completion import completed
-from sherd.fitting.deformation import Deformation
+from sherd.fitting.deformation import Deformation, area_kept
 from sherd.fitting.scan_surface import REACH, ScanSurface
 from sherd.fitting.self_intersection import intersecting_faces
 from sherd.fitting.sizes import mean_growth
 from sherd.fitting.targets import Targets, matched_surface
 from sherd.fitting.turned_faces import turned_faces
-from sherd.mesh.geometry import face_areas
 from sherd.mesh.surface_finder import SurfaceFinder
 from sherd.mesh.topology import component_labels
 from sherd.mesh.triangle_mesh import TriangleMesh
@@ -160,7 +159,7 @@ def _check(elasticity: Elasticity, deformation: Deformation, seen: Bools) -> Fit
     rotations = elasticity.fitted_rotations(deformation.positions)
     turned = int(turned_faces(rest, deformation.positions, rotations, faces).sum())
     hidden: Bools = np.all(~seen[faces], axis=1)
-    kept = _area_kept(elasticity.mesh, deformation, hidden)
+    kept = area_kept(elasticity.mesh, deformation, hidden)
     before = intersecting_faces(rest, faces)
     after = intersecting_faces(deformation.positions, faces)
     fresh = int((after & ~before).sum())
@@ -168,15 +167,6 @@ def _check(elasticity: Elasticity, deformation: Deformation, seen: Bools) -> Fit
         turned == 0 and LEAST_AREA <= kept <= MOST_AREA and fresh <= MOST_INTERSECTIONS * len(faces)
     )
     return FitCheck(turned, kept, fresh, int(before.sum()), passed)
-
-
-def _area_kept(shape: TriangleMesh, deformation: Deformation, faces: Bools) -> float:
-    """Area of some faces in the fit over what it should be; 1 if there are none."""
-    if not faces.any():
-        return 1.0
-    corners = shape.faces[faces]
-    wanted = shape.face_areas[faces] * (deformation.sizes[corners] ** 2).mean(axis=1)
-    return float(face_areas(deformation.positions, corners).sum() / wanted.sum())
 
 
 def _hidden(
@@ -194,7 +184,7 @@ def _hidden(
         if area < LEAST_REGION:
             continue
         deepest = vertices[np.where(np.isfinite(beyond[vertices]), beyond[vertices], 0.0).argmax()]
-        kept = _area_kept(
+        kept = area_kept(
             shape, deformation, np.logical_and(inside, labels[shape.faces[:, 0]] == label)
         )
         regions.append(HiddenRegion(area, kept, int(deepest), len(vertices)))

@@ -15,7 +15,7 @@ from sherd.fitting.chance import distances_beyond
 from sherd.fitting.scan_surface import ScanSurface
 from sherd.fitting.sizes import sizes_of
 from sherd.fitting.targets import Targets
-from sherd.mesh.geometry import closest_rotation, vertex_normals
+from sherd.mesh.geometry import closest_rotation, face_areas, vertex_normals
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.results.fitted.fit_options import Sizing
@@ -23,9 +23,10 @@ from sherd.results.fitted.fit_options import Sizing
 __all__ = [
     "HOLD_LENGTH",
     "Deformation",
-    "bent_deformation",
+    "area_kept",
     "carried_up",
     "coarse_deformation",
+    "continued_deformation",
     "corners_of",
     "fine_deformation",
     "with_rings",
@@ -56,11 +57,19 @@ FIRST_LENGTH = 0.05
 # What is not released stays within this.
 HOLD_LENGTH = 0.002
 MAP_ROUNDS, SURFACE_ROUNDS, FINE_ROUNDS = 8, 4, 2
-# Rotations that are smoothed over so much bend too little at the cut: with the true places of what
-# was seen, 16 parts of animals had hidden errors of 1.18 times libigl's ARAP. So the last rounds
-# are as rigid as possible, smoothed just enough that noise of the map turns no face: 1.10 times.
-# With their own maps it is 1.01 and 1.00; 20 and 50 rounds are alike.
-LAST_ROUNDS, LAST_SEEN_LENGTH, LAST_HIDDEN_LENGTH = 30, 0.02, 0.01
+# Beyond the cut rotations go on as they change there, and come to rest over about this length. Of
+# 27 balls of animated animals, 2,500 vertices, the mean ratio of hidden errors to those of libigl's
+# ARAP with the same map is 0.96 for lengths of 0, 0.93 for 0.1 and 0.2, 0.94 for 0.3.
+CONTINUED_LENGTH = 0.1
+# Over so much what is continued may differ from what edges say: less than a triangle, as rotations
+# were smoothed before, and the last ring tells most. With 0.001 that ratio is 0.95, with 0.005
+# 0.94, with 0.01 0.955, with 0.03 1.00.
+KEPT_LENGTH = 0.003
+# Rotations that change fast squeeze what lies on the inner side of a bend. While hidden area
+# changes by more than this, less than the 0.05 that a fit is doubted for, as what follows changes
+# it by up to 0.01, rounds of as-rigid-as-possible spread the bend. Each brings some of the lever
+# back: eight of them everywhere would cost 0.025 of the ratio above.
+MOST_SQUEEZED, SPREADING_ROUNDS = 0.04, 30
 
 Smoothing: TypeAlias = Callable[[Floats, Floats], Floats]
 
@@ -126,21 +135,39 @@ def coarse_deformation(
     return now
 
 
-def bent_deformation(
+def continued_deformation(
     elasticity: Elasticity, now: Deformation, targets: Targets, scan: ScanSurface
 ) -> Deformation:
-    """What :func:`coarse_deformation` found, bent more where its smooth rotations bend too little.
+    """What :func:`coarse_deformation` found, its hidden parts turned as what was seen says alone.
 
-    Rounds of as-rigid-as-possible with rotations that are hardly smoothed.
+    Rotations of hidden vertices that follow their own edges, round by round, lever the noise of the
+    map at the cut. Here they are those of what was seen, continued, and positions follow.
     """
-    lengths = np.where(targets.seen, LAST_SEEN_LENGTH, LAST_HIDDEN_LENGTH)
-    smoothing = elasticity.smoothing(np.ones(len(lengths)), lengths)
+    seen = targets.seen
+    turned, known = elasticity.seen_rotations(now.positions, seen)
+    certain = known * targets.confidence * _inliers(now.positions, targets.positions)
+    continued = elasticity.continuation(certain / KEPT_LENGTH**2, CONTINUED_LENGTH)
+    rotations = continued(turned.reshape(-1, 9), now.rotations.reshape(-1, 9))
+    now = replace(now, rotations=closest_rotations(rotations.reshape(-1, 3, 3)))
     pulls, places = _drawn(elasticity, now, targets, scan)
     relaxed = elasticity.relaxation(pulls)
-    for _ in range(LAST_ROUNDS):
+    now = replace(now, positions=relaxed(now.turns, places, now.positions))
+    hidden: Bools = np.all(~seen[elasticity.mesh.faces], axis=1)
+    for _ in range(SPREADING_ROUNDS):
+        if abs(area_kept(elasticity.mesh, now, hidden) - 1) <= MOST_SQUEEZED:
+            break
+        now = replace(now, rotations=elasticity.fitted_rotations(now.positions))
         now = replace(now, positions=relaxed(now.turns, places, now.positions))
-        now = _turned(elasticity, now, smoothing)
     return now
+
+
+def area_kept(shape: TriangleMesh, deformation: Deformation, faces: Bools) -> float:
+    """Area of some faces (m,) in the deformation over what it should be; 1 if there are none."""
+    if not faces.any():
+        return 1.0
+    corners = shape.faces[faces]
+    wanted = shape.face_areas[faces] * (deformation.sizes[corners] ** 2).mean(axis=1)
+    return float(face_areas(deformation.positions, corners).sum() / wanted.sum())
 
 
 def _turned(elasticity: Elasticity, now: Deformation, smoothing: Smoothing) -> Deformation:

@@ -8,9 +8,9 @@ from sherd.fitting.as_rigid_as_possible import Elasticity
 from sherd.fitting.crossing import new_crossings, without_new_crossings
 from sherd.fitting.deformation import (
     Deformation,
-    bent_deformation,
     carried_up,
     coarse_deformation,
+    continued_deformation,
     fine_deformation,
 )
 from sherd.fitting.scan_surface import ScanSurface
@@ -64,11 +64,11 @@ def fitted_shape(
 def _starts(
     own: Elasticity, targets: Targets, scan: ScanSurface, *, sizing: Sizing
 ) -> Iterator[Deformation]:
-    """The bent deformation, nearer to the truth, and the smooth one, which crosses less."""
+    """The continued deformation, nearer to the truth, and the smooth one, which crosses less."""
     shape = own.mesh
     if shape.vertex_count <= 1.5 * COARSE:
         smooth = coarse_deformation(own, targets, scan, sizing=sizing)
-        yield bent_deformation(own, smooth, targets, scan)
+        yield continued_deformation(own, smooth, targets, scan)
         yield smooth
         return
     small, points = decimate(shape, max(COARSE, len(shape.boundary_vertices) + 1))
@@ -79,6 +79,6 @@ def _starts(
     )
     elasticity, places = Elasticity(small), closest_points(small, shape.vertices)
     smooth = coarse_deformation(elasticity, thinned, scan, sizing=sizing)
-    bent = bent_deformation(elasticity, smooth, thinned, scan)
-    for found in (bent, smooth):
+    continued = continued_deformation(elasticity, smooth, thinned, scan)
+    for found in (continued, smooth):
         yield carried_up(small, found, places, shape.vertices)
