@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from sherd.correspondence.labels.consistent import PLACE_WIDTH
+from sherd.correspondence.labels.consistent import PLACE_WIDTH, same_place
 from sherd.correspondence.labels.labeling import Problem, labeling_problem
 from sherd.correspondence.labels.local_groups import CANDIDATES, local_groups
 from sherd.correspondence.labels.places import further_labelings
@@ -75,25 +77,45 @@ def test_no_group_begins_where_an_earlier_one_lies(there) -> None:
 
 
 @pytest.fixture(scope="module")
-def further(there, back) -> list[TwoLabelings]:
-    known = two_way_labelings(there, back, (np.random.default_rng(5), np.random.default_rng(5)))
-    return further_labelings(there, back, known)
+def known(there, back) -> TwoLabelings:
+    return two_way_labelings(there, back, (np.random.default_rng(5), np.random.default_rng(5)))
+
+
+@pytest.fixture(scope="module")
+def further(there, back, known) -> list[TwoLabelings]:
+    """What is found where nothing is known but what chance costs."""
+    nowhere = replace(
+        known,
+        forward_agrees=np.zeros_like(known.forward_agrees),
+        backward_agrees=np.zeros_like(known.backward_agrees),
+    )
+    return further_labelings(there, back, nowhere)
 
 
 def test_one_of_the_places_that_grow_from_groups_is_right(planted, further) -> None:
     between = planted.question.full.dense.between
-    known = patch_of(planted)
+    patch = patch_of(planted)
     shares = []
     for found in further:
         off = between[found.forward.labels, planted.labels]
-        shares.append((found.forward_agrees & (off < CLOSE))[known].mean())
+        shares.append((found.forward_agrees & (off < CLOSE))[patch].mean())
     assert max(shares) > 0.8
 
 
-def test_the_places_that_grow_are_different(planted, further) -> None:
-    between = planted.question.full.dense.between
+def test_the_places_that_grow_are_different(there, back, further) -> None:
     for count, one in enumerate(further):
-        for other in further[:count]:
-            both = one.forward_agrees & other.forward_agrees
-            near = between[one.forward.labels, other.forward.labels] < PLACE_WIDTH
-            assert (both & near).sum() < 0.7 * max(one.forward_agrees.sum(), 1)
+        assert not any(alike((there, back), one, other) for other in further[:count])
+
+
+def test_what_is_known_is_no_further_place(there, back, further) -> None:
+    again = further_labelings(there, back, further[0])
+    assert not any(alike((there, back), each, further[0]) for each in again)
+
+
+def alike(problems: tuple[Problem, Problem], one: TwoLabelings, other: TwoLabelings) -> bool:
+    found = ((one.forward, one.backward), (other.forward, other.backward))
+    kept = (
+        (one.forward_agrees, one.backward_agrees),
+        (other.forward_agrees, other.backward_agrees),
+    )
+    return same_place(problems, found, kept)

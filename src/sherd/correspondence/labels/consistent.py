@@ -52,6 +52,8 @@ GROUP_REACH, GROUP_COST = 0.12, 1.0
 MOST_COST = 1.4
 # Labels closer than the radius of the largest neighborhood are not told apart.
 PLACE_WIDTH = 0.1
+# Two answers are one where they lay half of the smaller at the same places.
+SAME_PLACE = 0.5
 
 
 def node_costs(problem: Problem, labeling: Labeling) -> Floats:
@@ -188,8 +190,8 @@ def same_place(
     problems: tuple[Problem, Problem],
     found: tuple[tuple[Labeling, Labeling], tuple[Labeling, Labeling]],
     kept: tuple[tuple[Bools, Bools], tuple[Bools, Bools]],
-) -> float:
-    """Share of the smaller of two answers, by area, that both place at about the same labels.
+) -> bool:
+    """Whether two answers place half of the smaller one, by area, at about the same labels.
 
     `found` and `kept` (k,) are of the one and of the other answer, in both directions each.
     """
@@ -200,7 +202,7 @@ def same_place(
         near = between[found[0][side].labels, found[1][side].labels] < PLACE_WIDTH
         same += float(areas[mine & yours & near].sum())
         least += min(float(areas[mine].sum()), float(areas[yours].sum()))
-    return same / max(least, 1e-12)
+    return same >= SAME_PLACE * max(least, 1e-12)
 
 
 def _lengths(

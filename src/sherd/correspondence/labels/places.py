@@ -6,9 +6,11 @@ than that sixth. Who has other evidence, of the surfaces themselves, can choose 
 
 from __future__ import annotations
 
+from sherd.correspondence.labels.consistent import same_place
 from sherd.correspondence.labels.labeling import LIMIT, Problem
 from sherd.correspondence.labels.local_groups import local_groups
 from sherd.correspondence.labels.two_way import (
+    Agreed,
     TwoLabelings,
     all_agreed,
     described,
@@ -32,6 +34,9 @@ def further_labelings(
 ) -> list[TwoLabelings]:
     """Labelings of both directions at different places, what saves most first; four at most.
 
+    None lies where the known one does: to ask there again until the answer pleases proves nothing.
+    Two thirds of another person, laid on a woman, had a chance of 0.61 and at the same place 0.65.
+
     Parameters
     ----------
     forward, backward
@@ -46,7 +51,18 @@ def further_labelings(
     ]
     starts = led(problems, *groups)
     tried = all_agreed(problems, chance, starts, inside=LIMIT, labeled=labeled_around)
-    return [
-        described(problems, chance, finished(problems, chance, each), known.first_ratio)
+    places = [
+        finished(problems, chance, each)
         for each in grown_apart(problems, chance, tried, LEFT)[: LEFT[-1]]
     ]
+    return [
+        described(problems, chance, each, known.first_ratio)
+        for each in places
+        if not _is_known((forward, backward), each, known)
+    ]
+
+
+def _is_known(problems: tuple[Problem, Problem], each: Agreed, known: TwoLabelings) -> bool:
+    found = (each.found, (known.forward, known.backward))
+    kept = (each.agrees, (known.forward_agrees, known.backward_agrees))
+    return same_place(problems, found, kept)

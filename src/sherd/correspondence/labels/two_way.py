@@ -85,8 +85,6 @@ FINISHING = 3
 # the generated animal save 0.36 per area, wrong places of half of SMAL and of nine views 0.27 at
 # most.
 SURE = 0.3
-# Two answers are one where they lay half of the smaller at the same places.
-SAME_PLACE = 0.5
 # What a node that counts as evidence may cost, as a share of chance: half of the price. A right one
 # costs a fifth on average, one on a wrong limb a third.
 WORTH_SHARE = 0.25
@@ -291,7 +289,7 @@ def _elsewhere(problems: Both[Problem], tried: list[Agreed]) -> list[Agreed]:
 
 def _same_place(problems: Both[Problem], one: Agreed, other: Agreed) -> bool:
     found, kept = (one.found, other.found), (one.agrees, other.agrees)
-    return same_place(problems, found, kept) >= SAME_PLACE
+    return same_place(problems, found, kept)
 
 
 def led(
