@@ -10,7 +10,7 @@ from typing import Unpack
 import numpy as np
 
 from sherd.arrays import Ints
-from sherd.correspondence.labels.labeling import SAME_SCALE, UNKNOWN_SCALE
+from sherd.correspondence.labels.labeling import SAME_SCALE, UNKNOWN_SCALE, Problem
 from sherd.correspondence.labels.two_way import Both, TwoLabelings, two_way_labelings
 from sherd.correspondence.placements import anchor_problem
 from sherd.correspondence.plausibility import mirrored_energies
@@ -62,6 +62,7 @@ __all__ = [
     "labeled_both_ways",
     "overlap",
     "prepare_both_ways",
+    "problems_both_ways",
     "queries_both_ways",
     "questions_of",
     "shared_by",
@@ -172,7 +173,7 @@ def shared_by(
     landmarks = landmarks_on(*shapes, options)
     questions = (questions[0].with_stretch(STRETCH), questions[1].with_stretch(STRETCH))
     with stages("labels"):
-        labelings = labeled_both_ways(questions, options.seed)
+        labelings = labeled_both_ways(problems_both_ways(questions, options.seed), options.seed)
     with stages("placement"):
         queries = queries_both_ways(questions, options.seed)
         placements = placed_together(questions, labelings, queries, strain=options.strain)
@@ -288,11 +289,16 @@ def _scale(questions: Both[Question], options: OverlapOptions) -> ScaleEstimate:
     )
 
 
-def labeled_both_ways(questions: Both[Question], seed: int) -> TwoLabelings:
-    """The nodes of each shape labeled by the other; the shapes may be swapped, with one seed."""
+def problems_both_ways(questions: Both[Question], seed: int) -> Both[Problem]:
+    """What is to be labeled in both directions; the shapes may be swapped, with one seed."""
     there, back = (anchor_problem(question, np.random.default_rng(seed)) for question in questions)
+    return there, back
+
+
+def labeled_both_ways(problems: Both[Problem], seed: int) -> TwoLabelings:
+    """The nodes of each shape labeled by the other."""
     rngs = (np.random.default_rng(seed + 1), np.random.default_rng(seed + 1))
-    return two_way_labelings(there, back, rngs)
+    return two_way_labelings(*problems, rngs)
 
 
 def queries_both_ways(questions: Both[Question], seed: int) -> Both[Queries]:

@@ -145,7 +145,7 @@ def test_two_that_overlap_in_one_place_are_both_joined_where_the_loop_closes(mon
     assert not any(taken_before)
 
 
-def test_what_is_laid_on_its_twin_is_asked_elsewhere_and_never_there_again() -> None:
+def test_what_is_laid_on_its_twin_is_asked_elsewhere_each_time() -> None:
     asked = []
 
     def meet(first: Union, second: Union, known: Ints, taken: Bools | None) -> Any:
@@ -161,5 +161,18 @@ def test_what_is_laid_on_its_twin_is_asked_elsewhere_and_never_there_again() -> 
     assert [each for each in asked if each[1] == (2,)] == [
         ((0,), (2,), False),
         ((0,), (2,), True),
+        ((0, 1), (2,), False),
         ((0, 1), (2,), True),
     ]
+
+
+def test_what_only_looks_like_a_twin_may_be_laid_there_again() -> None:
+    def meet(first: Union, second: Union, known: Ints, taken: Bools | None) -> Any:
+        if second.members == (1,):
+            return answer(0.95)
+        if taken is not None:
+            return answer(0.1)
+        return answer(0.9) if len(first.members) == 2 else answer(0.4, twin=True)
+
+    found = grown(pieces(3), np.ones((3, 3)), meet)
+    assert sorted(map(sorted, found.groups)) == [[0, 1, 2]]

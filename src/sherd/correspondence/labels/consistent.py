@@ -27,12 +27,14 @@ from sherd.correspondence.labels.labeling import (
 )
 
 __all__ = [
+    "PLACE_WIDTH",
     "consistent_groups",
     "consistent_nodes",
     "missing_area",
     "node_areas",
     "node_costs",
     "node_lacks",
+    "same_place",
 ]
 
 # Lengths in conflict differ by more than two sigma, where a limit says "wrong" and not more.
@@ -48,6 +50,10 @@ GROUP_REACH, GROUP_COST = 0.12, 1.0
 # A limb laid on its mirrored twin costs 1.7 times what the right ones cost; right groups of one
 # pair differ by less than a third.
 MOST_COST = 1.4
+# Labels closer than the radius of the largest neighborhood are not told apart.
+PLACE_WIDTH = 0.1
+# Two answers are one where they lay half of the smaller at the same places.
+SAME_PLACE = 0.5
 
 
 def node_costs(problem: Problem, labeling: Labeling) -> Floats:
@@ -178,6 +184,25 @@ def node_areas(problem: Problem) -> Floats:
     cells, areas = part.sparse.cells, part.mesh.vertex_areas
     result: Floats = np.bincount(cells, areas, minlength=len(part.sparse)).astype(np.float64)
     return result
+
+
+def same_place(
+    problems: tuple[Problem, Problem],
+    found: tuple[tuple[Labeling, Labeling], tuple[Labeling, Labeling]],
+    kept: tuple[tuple[Bools, Bools], tuple[Bools, Bools]],
+) -> bool:
+    """Whether two answers place half of the smaller one, by area, at about the same labels.
+
+    `found` and `kept` (k,) are of the one and of the other answer, in both directions each.
+    """
+    same, least = 0.0, 0.0
+    for side, problem in enumerate(problems):
+        areas, between = node_areas(problem), problem.labels.between
+        mine, yours = kept[0][side], kept[1][side]
+        near = between[found[0][side].labels, found[1][side].labels] < PLACE_WIDTH
+        same += float(areas[mine & yours & near].sum())
+        least += min(float(areas[mine].sum()), float(areas[yours].sum()))
+    return same >= SAME_PLACE * max(least, 1e-12)
 
 
 def _lengths(

@@ -19,7 +19,7 @@ than to chance.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import TypeAlias, TypeVar
@@ -38,13 +38,25 @@ from sherd.correspondence.labels.consistent import (
     consistent_groups,
     consistent_nodes,
     node_areas,
+    same_place,
 )
 from sherd.correspondence.labels.inverse import closing_nodes, inverse_labeling, inverse_labels
 from sherd.correspondence.labels.labeling import LIMIT, NOWHERE_COST, Labeling, Problem, solve
 from sherd.correspondence.labels.saved import PRICE_SHARE, lack, most_saved, saved
 from sherd.threads import side_by_side
 
-__all__ = ["Both", "TwoLabelings", "two_way_labelings"]
+__all__ = [
+    "Agreed",
+    "Both",
+    "TwoLabelings",
+    "all_agreed",
+    "described",
+    "finished",
+    "grown_apart",
+    "labeled_around",
+    "led",
+    "two_way_labelings",
+]
 
 # Price that whole labelings start with, besides none: at half of chance half of what two species
 # share goes nowhere, so a start has little to hold on to; what a higher price lets in that is wrong
@@ -73,9 +85,6 @@ FINISHING = 3
 # the generated animal save 0.36 per area, wrong places of half of SMAL and of nine views 0.27 at
 # most.
 SURE = 0.3
-# Two answers are one where they lay half of the smaller at labels closer than two places are told
-# apart: the radius of the largest neighborhood.
-SAME_PLACE, PLACE_WIDTH = 0.5, 0.1
 # What a node that counts as evidence may cost, as a share of chance: half of the price. A right one
 # costs a fifth on average, one on a wrong limb a third.
 WORTH_SHARE = 0.25
@@ -136,7 +145,7 @@ class _Alone:
 
 
 @dataclass(frozen=True, eq=False)
-class _Agreed:
+class Agreed:
     """Both labelings after a round, placed where `agrees`; `placed` before, and what it saves."""
 
     found: Both[Labeling]
@@ -163,9 +172,9 @@ def two_way_labelings(
     )
     chance = (alone[0].chance, alone[1].chance)
     settled = SETTLED * most_saved(problems)
-    begun: list[_Agreed] = []
+    begun: list[Agreed] = []
     for starts in (_wholes, _priced_wholes, _groups):
-        begun += _all_agreed(problems, chance, _led(problems, *starts(problems, alone)))
+        begun += all_agreed(problems, chance, led(problems, *starts(problems, alone)))
         best = max(begun, key=_worth)
         if best.saved >= settled:
             break
@@ -175,24 +184,29 @@ def two_way_labelings(
         grown = _grown(problems, chance, begun)
         if grown.saved > best.saved and _saved_per_area(problems, grown) >= SURE:
             best = grown
-        best = _finished(problems, chance, best)
+        best = finished(problems, chance, best)
+    return described(problems, chance, best, min(each.first_ratio for each in alone))
+
+
+def described(
+    problems: Both[Problem], chance: Both[float], agreed: Agreed, first_ratio: float
+) -> TwoLabelings:
+    """The answer after all rounds."""
     return TwoLabelings(
-        *best.found,
-        *best.agrees,
+        *agreed.found,
+        *agreed.agrees,
         chance,
-        agreement=_agreement(best),
-        worth=_saved_per_area(problems, best),
-        lack=lack(problems, best.found, chance),
-        first_ratio=min(each.first_ratio for each in alone),
+        agreement=_agreement(agreed),
+        worth=_saved_per_area(problems, agreed),
+        lack=lack(problems, agreed.found, chance),
+        first_ratio=first_ratio,
     )
 
 
 def _alone(problem: Problem, rng: np.random.Generator) -> _Alone:
     """Label one direction as if the other did not exist."""
-    chance = chance_energy(problem, rng)
-    first = first_labeling(problem)
-    ratio = first.energy / max(chance, 1e-12)
-    return _Alone(chance, ratio, proposed_anchors(problem, first))
+    chance, first = chance_energy(problem, rng), first_labeling(problem)
+    return _Alone(chance, first.energy / max(chance, 1e-12), proposed_anchors(problem, first))
 
 
 def _wholes(_: Both[Problem], alone: list[_Alone]) -> list[list[Labeling]]:
@@ -221,17 +235,17 @@ def _groups(problems: Both[Problem], alone: list[_Alone]) -> list[list[Labeling]
     ]
 
 
-def _continued(problems: Both[Problem], chance: Both[float], tried: list[_Agreed]) -> _Agreed:
+def _continued(problems: Both[Problem], chance: Both[float], tried: list[Agreed]) -> Agreed:
     """What saves most after the rounds in which each direction hears of the other's agreement."""
     for left in LEFT:
         # where none saves anything, swapping the shapes must still swap what is chosen
         tried = sorted(tried, key=_worth, reverse=True)[:left]
-        again = _all_agreed(problems, chance, [each.found for each in tried], inside=LIMIT)
+        again = all_agreed(problems, chance, [each.found for each in tried], inside=LIMIT)
         tried = [max(pair, key=_worth) for pair in zip(tried, again, strict=True)]
     return max(tried, key=_worth)
 
 
-def _finished(problems: Both[Problem], chance: Both[float], best: _Agreed) -> _Agreed:
+def finished(problems: Both[Problem], chance: Both[float], best: Agreed) -> Agreed:
     """One answer in further rounds, as long as it saves more; see `FINISHING`."""
     for _ in range(FINISHING):
         again = _agreed(problems, chance, best.found, inside=LIMIT, labeled=_labeled_again)
@@ -241,44 +255,44 @@ def _finished(problems: Both[Problem], chance: Both[float], best: _Agreed) -> _A
     return best
 
 
-def _grown(problems: Both[Problem], chance: Both[float], tried: list[_Agreed]) -> _Agreed:
+def _grown(problems: Both[Problem], chance: Both[float], tried: list[Agreed]) -> Agreed:
     """What saves most of different places that grow from what agrees, and from nothing else.
 
     In one direction most nodes may belong nowhere, agree with each other on a wrong place and hold
     back their neighbors, which the other direction brings to the right one. So what did not agree
     is forgotten.
     """
-    for left in GROWN_LEFT:
+    return grown_apart(problems, chance, tried, GROWN_LEFT)[0]
+
+
+def grown_apart(
+    problems: Both[Problem], chance: Both[float], tried: list[Agreed], lefts: Sequence[int]
+) -> list[Agreed]:
+    """Different places that grow, so many in each round as `lefts` says; most saved first."""
+    for left in lefts:
         tried = _elsewhere(problems, sorted(tried, key=_worth, reverse=True))[:left]
-        again = _all_agreed(
-            problems, chance, [each.found for each in tried], inside=LIMIT, labeled=_labeled_around
+        again = all_agreed(
+            problems, chance, [each.found for each in tried], inside=LIMIT, labeled=labeled_around
         )
         tried = [max(pair, key=_worth) for pair in zip(tried, again, strict=True)]
-    return max(tried, key=_worth)
+    return _elsewhere(problems, sorted(tried, key=_worth, reverse=True))
 
 
-def _elsewhere(problems: Both[Problem], tried: list[_Agreed]) -> list[_Agreed]:
+def _elsewhere(problems: Both[Problem], tried: list[Agreed]) -> list[Agreed]:
     """Those that lay most of what they share with none before them at the same places."""
-    different: list[_Agreed] = []
+    different: list[Agreed] = []
     for each in tried:
-        if all(_same_place(problems, each, other) < SAME_PLACE for other in different):
+        if not any(_same_place(problems, each, other) for other in different):
             different.append(each)
     return different
 
 
-def _same_place(problems: Both[Problem], one: _Agreed, other: _Agreed) -> float:
-    """Share of the smaller of two agreements, by area, that both place at about the same labels."""
-    same, least = 0.0, 0.0
-    for side, problem in enumerate(problems):
-        areas, between = node_areas(problem), problem.labels.between
-        mine, yours = one.agrees[side], other.agrees[side]
-        near = between[one.found[side].labels, other.found[side].labels] < PLACE_WIDTH
-        same += float(areas[mine & yours & near].sum())
-        least += min(float(areas[mine].sum()), float(areas[yours].sum()))
-    return same / max(least, 1e-12)
+def _same_place(problems: Both[Problem], one: Agreed, other: Agreed) -> bool:
+    found, kept = (one.found, other.found), (one.agrees, other.agrees)
+    return same_place(problems, found, kept)
 
 
-def _led(
+def led(
     problems: Both[Problem], ones: list[Labeling], others: list[Labeling]
 ) -> list[Both[Labeling]]:
     """Each labeling of either direction with its inverse as that of the other."""
@@ -287,14 +301,14 @@ def _led(
     return starts + [(inverse_labeling(forward, other), other) for other in others]
 
 
-def _all_agreed(
+def all_agreed(
     problems: Both[Problem],
     chance: Both[float],
     starts: list[Both[Labeling]],
     *,
     inside: float = 1.0,
     labeled: _Labels | None = None,
-) -> list[_Agreed]:
+) -> list[Agreed]:
     """One round from each start; see :func:`_agreed`."""
     labeled = labeled or _labeled_again
     return side_by_side(
@@ -310,7 +324,7 @@ def _agreed(
     *,
     inside: float,
     labeled: _Labels,
-) -> _Agreed:
+) -> Agreed:
     """One round: both labeled again, each hearing of the other, and what can be true together.
 
     `inside` is what an edge to nowhere costs inside the other shape, `labeled` what labels a
@@ -334,7 +348,7 @@ def _agreed(
     kept = (_only(found[0], agrees[0]), _only(found[1], agrees[1]))
     placed = (int(found[0].placed.sum()), int(found[1].placed.sum()))
     gained = saved(problems, kept, chance)
-    return _Agreed(_following(problems, kept), agrees, placed, gained)
+    return Agreed(_following(problems, kept), agrees, placed, gained)
 
 
 def _following(problems: Both[Problem], kept: Both[Labeling]) -> Both[Labeling]:
@@ -351,7 +365,7 @@ def _following(problems: Both[Problem], kept: Both[Labeling]) -> Both[Labeling]:
     return inverse_labeling(problems[0], backward), backward
 
 
-def _saved_per_area(problems: Both[Problem], agreed: _Agreed) -> float:
+def _saved_per_area(problems: Both[Problem], agreed: Agreed) -> float:
     kept = sum(
         float(node_areas(problem)[agrees].sum())
         for problem, agrees in zip(problems, agreed.agrees, strict=True)
@@ -359,11 +373,9 @@ def _saved_per_area(problems: Both[Problem], agreed: _Agreed) -> float:
     return agreed.saved / kept if kept > 0 else 0.0
 
 
-def _agreement(agreed: _Agreed) -> float:
-    shares = [
-        int(kept.sum()) / max(placed, 1)
-        for kept, placed in zip(agreed.agrees, agreed.placed, strict=True)
-    ]
+def _agreement(agreed: Agreed) -> float:
+    pairs = zip(agreed.agrees, agreed.placed, strict=True)
+    shares = [int(kept.sum()) / max(placed, 1) for kept, placed in pairs]
     return float(np.sqrt(shares[0] * shares[1]))
 
 
@@ -377,9 +389,10 @@ def _labeled_again(problem: Problem, own: Labeling, other: Labeling) -> Labeling
     return solve(problem, labels, rotations)
 
 
-def _labeled_around(problem: Problem, own: Labeling, other: Labeling) -> Labeling:
+def labeled_around(problem: Problem, own: Labeling, other: Labeling) -> Labeling:
+    """One direction where its placed nodes and the other direction say; nothing else is tried."""
     return solve(problem, *candidates_around(problem, own, inverse_labels(problem, other)))
 
 
-def _worth(agreed: _Agreed) -> tuple[float, float]:
+def _worth(agreed: Agreed) -> tuple[float, float]:
     return agreed.saved, -agreed.found[0].energy - agreed.found[1].energy

@@ -250,18 +250,20 @@ def _odds(join: Join) -> float:
 def _asked(first: Union, second: Union, meet: Meet, growth: Growth) -> Join:
     """The answer of two unions; if it is not sure, that elsewhere or with what was sure recalled.
 
-    What is laid on its twin has another place, so it is asked where else it lies, and kept from
-    there from then on.
+    What is laid on its twin has another place, so it is asked where else it lies. If it surely does
+    it is kept from its twin's place from then on; a right place may look like a twin's, too.
     """
     taken = _taken(first, second, growth)
     join = Join(first, second, meet(first, second, NOTHING_KNOWN, taken))
     if join.met.twin:
-        growth.settled.append((join, second.members))
-        growth.sure = [each for each in growth.sure if not _repeated(each, join)]
-        taken = _taken(first, second, growth)
-        join = max(
-            join, Join(first, second, meet(first, second, NOTHING_KNOWN, taken)), key=_chance
-        )
+        place = taken_by(join, first)
+        place = place if taken is None else taken | place
+        elsewhere = Join(first, second, meet(first, second, NOTHING_KNOWN, place))
+        if elsewhere.met.chance >= SURE:
+            growth.settled.append((join, second.members))
+            growth.sure = [each for each in growth.sure if not _repeated(each, join)]
+            taken = place
+        join = max(join, elsewhere, key=_chance)
     before = next(iter(_sure_before(first, second, growth)), None)
     if before is None or join.met.chance >= SURE:
         return join

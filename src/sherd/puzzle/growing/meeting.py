@@ -1,18 +1,21 @@
 """What two pieces share, or two unions of pieces, and the chance that they belong together.
 
 As :func:`sherd.overlap` finds it, but for the chance, which asks for one thing more: where both are
-cut from one whole, what they share ends where one of both does.
+cut from one whole, what they share ends where one of both does. Where that is not sure, further
+places are laid and judged the same way.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
 from sherd.arrays import Bools, Ints
-from sherd.correspondence.labels.two_way import Both
+from sherd.correspondence.labels.places import further_labelings
+from sherd.correspondence.labels.two_way import Both, TwoLabelings
 from sherd.correspondence.question import NO_PINS, Question
 from sherd.correspondence.shared.two_way_placement import SharedPlacement, placed_together
 from sherd.correspondence.working_placement import Queries
@@ -22,15 +25,17 @@ from sherd.overlap import (
     STRETCH,
     labeled_both_ways,
     prepare_both_ways,
+    problems_both_ways,
     queries_both_ways,
     questions_of,
 )
 from sherd.puzzle.growing.join_chance import fits_a_twin, join_chance, join_features
+from sherd.results.advice import SURE
 from sherd.results.overlap_options import OverlapOptions
 from sherd.surface.described import DescribedSurface
 from sherd.surface.prepared import described_part
 from sherd.surface.transformed import sampled_within
-from sherd.threads import one_blas_thread
+from sherd.threads import one_blas_thread, side_by_side
 
 __all__ = ["NOTHING_KNOWN", "Describe", "Meeting", "meeting"]
 
@@ -105,15 +110,33 @@ def meeting(
         replace(there.with_stretch(STRETCH), free=free),
         back.with_stretch(STRETCH),
     )
-    labelings = labeled_both_ways(questions, seed)
+    problems = problems_both_ways(questions, seed)
+    labelings = labeled_both_ways(problems, seed)
     questions = (
         replace(questions[0], pins=NO_PINS, free=None),
         replace(questions[1], pins=NO_PINS),
     )
     queries = queries_both_ways(questions, seed)
+    answer = partial(_answer, questions, queries, seed)
+    met = answer(labelings)
+    if met.chance >= SURE:
+        return met
+    further = further_labelings(*problems, labelings)
+    # of two that are as unlikely the one that saves most
+    return max(met, *side_by_side(partial(answer, each) for each in further), key=_chance)
+
+
+def _answer(
+    questions: Both[Question], queries: Both[Queries], seed: int, labelings: TwoLabelings
+) -> Meeting:
+    """Both surfaces laid on each other by one labeling of both, and how likely that is right."""
     placements = placed_together(questions, labelings, queries, strain=OverlapOptions().strain)
     features = join_features(labelings, questions, placements, seed)
     return Meeting(questions, queries, placements, join_chance(features), fits_a_twin(features))
+
+
+def _chance(met: Meeting) -> float:
+    return met.chance
 
 
 def _free(surface: DescribedSurface, mesh: TriangleMesh, taken: Bools) -> Bools:

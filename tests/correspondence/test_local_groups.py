@@ -1,0 +1,121 @@
+"""Small groups to start from where right labels are similar, but not the most similar ones."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from sherd.correspondence.labels.consistent import PLACE_WIDTH, same_place
+from sherd.correspondence.labels.labeling import Problem, labeling_problem
+from sherd.correspondence.labels.local_groups import CANDIDATES, local_groups
+from sherd.correspondence.labels.places import further_labelings
+from sherd.correspondence.labels.two_way import TwoLabelings, two_way_labelings
+from sherd.correspondence.question import Question
+
+SHIFTS = 16
+CHANCE = 20.0
+CLOSE = 0.05
+
+
+def patch_of(planted) -> np.ndarray:
+    """(k,) bool: a third of the nodes, which know where they lie; the others know nothing."""
+    part = planted.question.part
+    height = part.mesh.vertices[part.sparse.vertices][:, 2]
+    return height < np.quantile(height, 0.33)
+
+
+def forward_problem(planted) -> Problem:
+    """Of each node two thirds of the candidates look more like it than its right label does."""
+    rng = np.random.default_rng(1)
+    nodes, labels = len(planted.labels), len(planted.question.full.dense)
+    similarity = rng.uniform(0.0, 0.4, (nodes, labels, SHIFTS))
+    grid = 2 * np.pi * np.arange(SHIFTS) / SHIFTS
+    for node in range(nodes):
+        wrong = rng.choice(labels, 2 * CANDIDATES // 3, replace=False)
+        similarity[node, wrong, rng.integers(SHIFTS, size=len(wrong))] = 0.75
+    known = np.flatnonzero(patch_of(planted))
+    turns = np.cos(grid - planted.rotations[known, None])
+    similarity[known, planted.labels[known]] = 0.4 + 0.3 * turns
+    return labeling_problem(planted.question, similarity.astype(np.float32), rng)
+
+
+@pytest.fixture(scope="module")
+def there(planted) -> Problem:
+    return forward_problem(planted)
+
+
+@pytest.fixture(scope="module")
+def back(planted) -> Problem:
+    """The nodes of the blob look like anything on the piece."""
+    question = Question(planted.question.part, planted.question.full, planted.question.comparison)
+    shape = (len(question.part.sparse), len(question.full.dense), SHIFTS)
+    similarity = np.random.default_rng(3).uniform(0.0, 0.4, shape)
+    return labeling_problem(question, similarity.astype(np.float32), np.random.default_rng(4))
+
+
+def test_the_first_group_is_where_neighbors_agree_and_not_where_likeness_is_highest(
+    planted, there
+) -> None:
+    first = local_groups(there, CHANCE, 4)[0]
+    assert first.placed.sum() > 10
+    off = there.labels.between[first.labels, planted.labels][first.placed]
+    assert (off < CLOSE).mean() > 0.9
+    assert patch_of(planted)[first.placed].mean() > 0.9
+
+
+def test_no_group_begins_where_an_earlier_one_lies(there) -> None:
+    groups = local_groups(there, CHANCE, 8)
+    assert len(groups) == 8
+    for count, group in enumerate(groups):
+        new = group.placed.copy()
+        for earlier in groups[:count]:
+            near = there.labels.between[group.labels, earlier.labels] < PLACE_WIDTH
+            new &= ~(earlier.placed & near)
+        assert new.any()
+
+
+@pytest.fixture(scope="module")
+def known(there, back) -> TwoLabelings:
+    return two_way_labelings(there, back, (np.random.default_rng(5), np.random.default_rng(5)))
+
+
+@pytest.fixture(scope="module")
+def further(there, back, known) -> list[TwoLabelings]:
+    """What is found where nothing is known but what chance costs."""
+    nowhere = replace(
+        known,
+        forward_agrees=np.zeros_like(known.forward_agrees),
+        backward_agrees=np.zeros_like(known.backward_agrees),
+    )
+    return further_labelings(there, back, nowhere)
+
+
+def test_one_of_the_places_that_grow_from_groups_is_right(planted, further) -> None:
+    between = planted.question.full.dense.between
+    patch = patch_of(planted)
+    shares = []
+    for found in further:
+        off = between[found.forward.labels, planted.labels]
+        shares.append((found.forward_agrees & (off < CLOSE))[patch].mean())
+    assert max(shares) > 0.8
+
+
+def test_the_places_that_grow_are_different(there, back, further) -> None:
+    for count, one in enumerate(further):
+        assert not any(alike((there, back), one, other) for other in further[:count])
+
+
+def test_what_is_known_is_no_further_place(there, back, further) -> None:
+    again = further_labelings(there, back, further[0])
+    assert not any(alike((there, back), each, further[0]) for each in again)
+
+
+def alike(problems: tuple[Problem, Problem], one: TwoLabelings, other: TwoLabelings) -> bool:
+    found = ((one.forward, one.backward), (other.forward, other.backward))
+    kept = (
+        (one.forward_agrees, one.backward_agrees),
+        (other.forward_agrees, other.backward_agrees),
+    )
+    return same_place(problems, found, kept)
