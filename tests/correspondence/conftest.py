@@ -9,7 +9,7 @@ import pytest
 import trimesh
 
 from sherd.arrays import Floats, Ints
-from sherd.correspondence.labels.labeling import SAME_SCALE
+from sherd.correspondence.labels.labeling import SAME_SCALE, Problem, labeling_problem
 from sherd.correspondence.question import Question
 from sherd.descriptors.tangent_frames import geodesic_directions
 from sherd.mesh.triangle_mesh import TriangleMesh
@@ -20,6 +20,8 @@ from sherd.surface.working import WorkingSurface
 
 # Of so many labels those inside the piece are its nodes.
 FIRST_LABELS = 300
+# Rotations that similarities are given for.
+SHIFTS = 16
 OTHER_REFERENCE = np.array([-0.3, 0.2, 1.0])
 
 
@@ -94,3 +96,12 @@ def true_rotations(full: DescribedSurface, part: DescribedSurface, labels: Ints)
     across = np.einsum("kc,kc->k", np.cross(up, here), there)
     rotations: Floats = np.arctan2(across, along)
     return rotations
+
+
+@pytest.fixture(scope="module")
+def back(planted: Planted) -> Problem:
+    """The nodes of the blob look like anything on the piece."""
+    question = Question(planted.question.part, planted.question.full, planted.question.comparison)
+    shape = (len(question.part.sparse), len(question.full.dense), SHIFTS)
+    similarity = np.random.default_rng(3).uniform(0.0, 0.4, shape)
+    return labeling_problem(question, similarity.astype(np.float32), np.random.default_rng(4))

@@ -12,7 +12,6 @@ from sherd.correspondence.labels.labeling import Problem, labeling_problem
 from sherd.correspondence.labels.local_groups import CANDIDATES, local_groups
 from sherd.correspondence.labels.places import further_labelings
 from sherd.correspondence.labels.two_way import TwoLabelings, two_way_labelings
-from sherd.correspondence.question import Question
 
 SHIFTS = 16
 CHANCE = 20.0
@@ -44,15 +43,6 @@ def forward_problem(planted) -> Problem:
 @pytest.fixture(scope="module")
 def there(planted) -> Problem:
     return forward_problem(planted)
-
-
-@pytest.fixture(scope="module")
-def back(planted) -> Problem:
-    """The nodes of the blob look like anything on the piece."""
-    question = Question(planted.question.part, planted.question.full, planted.question.comparison)
-    shape = (len(question.part.sparse), len(question.full.dense), SHIFTS)
-    similarity = np.random.default_rng(3).uniform(0.0, 0.4, shape)
-    return labeling_problem(question, similarity.astype(np.float32), np.random.default_rng(4))
 
 
 def test_the_first_group_is_where_neighbors_agree_and_not_where_likeness_is_highest(

@@ -11,7 +11,6 @@ from scipy.spatial import cKDTree
 from sherd.correspondence.labels.inverse import COVERED, closing_nodes, inverse_labeling
 from sherd.correspondence.labels.labeling import Labeling, Problem, labeling_problem
 from sherd.correspondence.labels.two_way import TwoLabelings, _following, two_way_labelings
-from sherd.correspondence.question import Question
 
 SHIFTS = 16
 SPACING = 0.05
@@ -28,15 +27,6 @@ def there(planted) -> Problem:
     return labeling_problem(
         planted.question, similarity.astype(np.float32), np.random.default_rng(2)
     )
-
-
-@pytest.fixture(scope="module")
-def back(planted) -> Problem:
-    """The nodes of the blob look like anything on the piece."""
-    question = Question(planted.question.part, planted.question.full, planted.question.comparison)
-    shape = (len(question.part.sparse), len(question.full.dense), SHIFTS)
-    similarity = np.random.default_rng(3).uniform(0.0, 0.4, shape)
-    return labeling_problem(question, similarity.astype(np.float32), np.random.default_rng(4))
 
 
 @pytest.fixture(scope="module")

@@ -78,10 +78,7 @@ def test_faces_are_turned_over_by_a_reflection_only(full: TriangleMesh) -> None:
     folded = SQUARE + shift
     folded[3] = folded[1]
     folded[3, 1] += 0.1
-    assert preserved(part, full, laid(full, folded), UP).tolist() == [
-        True,
-        False,
-    ]
+    assert preserved(part, full, laid(full, folded), UP).tolist() == [True, False]
 
 
 def test_means_at_vertices() -> None:

@@ -30,7 +30,7 @@ def named_vertices(faces: Ints, count: int) -> Ints:
 
 
 def renumbered(faces: Ints) -> tuple[Ints, Ints]:
-    """The vertices that the faces name, ascending, and the faces (m, 3) in their numbers."""
+    """The vertices that faces or edges name, ascending, and these (m, k) in their numbers."""
     count = int(faces.max(initial=-1)) + 1
     used = named_vertices(faces, count)
     number = np.empty(count, dtype=np.int64)

@@ -10,7 +10,7 @@ from scipy.spatial import cKDTree
 
 from sherd.arrays import Bools, Floats, Ints
 from sherd.mesh.geometry import face_cross
-from sherd.mesh.topology import boundary_edges
+from sherd.mesh.topology import boundary_edges, renumbered
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.threads import cached_property
 
@@ -108,9 +108,9 @@ def border_of(mesh: TriangleMesh, positions: Floats) -> Border:
     share = ((number + 0.5) / steps[rows])[:, None]
     between = (1 - share) * first[rows] + share * second[rows]
     lengths = (np.linalg.norm(second - first, axis=1) / steps)[rows]
-    vertices, slot = np.unique(edges, return_inverse=True)
+    vertices, slot = renumbered(edges)
     mean_outward, mean_normal = np.zeros((len(vertices), 3)), np.zeros((len(vertices), 3))
-    for end in slot.reshape(-1, 2).T:
+    for end in slot.T:
         np.add.at(mean_outward, end, outward)
         np.add.at(mean_normal, end, normals)
     return Border(

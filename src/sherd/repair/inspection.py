@@ -222,8 +222,7 @@ def _rims_and_genus(mesh: TriangleMesh) -> tuple[int, int]:
     border = topology.boundary_edges(mesh.faces)
     if len(border):
         # every border vertex has two border edges, so connected border edges are one loop
-        names, ends = np.unique(border, return_inverse=True)
-        ends = ends.reshape(-1, 2)
+        names, ends = topology.renumbered(border)
         rims = int(gluing.components(ends[:, 0], ends[:, 1], len(names)).max()) + 1
     characteristic = mesh.vertex_count - len(mesh.edges) + mesh.face_count
     # Euler: V - E + F = 2 (components - genus) - rims

@@ -172,10 +172,9 @@ def vertex_map_text(partner: Partner, full: TriangleMesh, *, first: int = 0) -> 
 
 def _cells(array: NDArray[np.generic]) -> list[str]:
     if array.dtype.kind == "f":
-        # most vertices are in a region or not, and text takes longer than sorting
-        values, place = np.unique(array.astype(np.float64) + 0.0, return_inverse=True)  # no -0
-        texts = [f"{value:.9g}" for value in values.tolist()]
-        return [texts[row] for row in place.tolist()]
+        return [
+            f"{value:.9g}" for value in (array.astype(np.float64) + 0.0).tolist()
+        ]  # no minus zero
     if array.dtype.kind == "b":
         return ["1" if value else "0" for value in array.tolist()]
     if array.dtype.kind in "iu":

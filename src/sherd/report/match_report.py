@@ -28,7 +28,7 @@ from sherd.report.frame import (
 from sherd.report.known_layers import error_layer, file_layers, known_layer
 from sherd.report.stored.folder import MATCH_FORMAT
 from sherd.report.stored.stored_match import stored_alternatives
-from sherd.results.distortion import Distortion, distortion, mean_at_vertices
+from sherd.results.distortion import Distortion, mean_at_vertices
 from sherd.results.match_result import MatchResult
 from sherd.results.placement import Placement
 from sherd.results.status import Status
@@ -135,7 +135,10 @@ def _alternative(result: MatchResult, other: Placement, errors: Floats | None) -
     """An alternative; what was found for the best map only is unknown for this one."""
     unknown = np.full(result.part.vertex_count, np.nan)
     undecided = np.full(result.part.vertex_count, -1)
-    points = other.points or result.points
+    if other.points is None:
+        points, bent = result.points, result.distortion
+    else:
+        points, bent = other.points, result.distortion_by(other.points)
     return Alternative(
         name=other.name,
         score=other.score,
@@ -151,12 +154,7 @@ def _alternative(result: MatchResult, other: Placement, errors: Floats | None) -
         part_layers=(
             known_layer("confidence", unknown),
             Layer("matched", undecided, "category", description="Not decided for this placement."),
-            *_map_layers(
-                result.part,
-                distortion(
-                    result.part, result.full, points, outward=result.outward, scale=result.scale
-                ),
-            ),
+            *_map_layers(result.part, bent),
             *(() if errors is None else (error_layer(unknown),)),
         ),
     )

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, TypeAlias, Union
 
@@ -140,24 +139,24 @@ def report_of(
     texture: str | os.PathLike[str] | None = None,
 ) -> Report:
     """What there is to write of a result, and to show."""
-    kind = type(result).__name__
-    if f"{type(result).__module__}.{kind}" not in _REPORTS:
+    for kind in type(result).__mro__:
+        described = _REPORTS.get(f"{kind.__module__}.{kind.__name__}")
+        if described is not None:
+            break
+    else:
         raise InputError(
-            f"a {kind} is no result of match, locate, overlap, assemble, identify or fit"
+            f"a {type(result).__name__} is no result of match, locate, overlap, assemble, identify "
+            "or fit"
         )
     extras: dict[str, Any] = {}
     if errors is not None:
-        if kind != "MatchResult":
-            raise InputError(f"errors are of the points of a match; a {kind} has none")
+        if kind.__name__ != "MatchResult":
+            raise InputError(f"errors are of the points of a match; a {kind.__name__} has none")
         extras["errors"] = errors
     if texture is not None:
-        if kind != "Fit":
+        if kind.__name__ != "Fit":
             raise InputError("a texture is for a fit, whose fit.obj keeps it")
         extras["texture"] = texture
-    return _report_of(type(result))(result, command=command, **extras)
-
-
-def _report_of(kind: type) -> Callable[..., Report]:
-    module, name = _REPORTS[f"{kind.__module__}.{kind.__name__}"].rsplit(".", 1)
-    described: Callable[..., Report] = getattr(import_module(module), name)
-    return described
+    module, name = described.rsplit(".", 1)
+    report: Report = getattr(import_module(module), name)(result, command=command, **extras)
+    return report

@@ -269,7 +269,11 @@ class MatchResult(FrozenState, TransferMethods):
     @cached_property
     def distortion(self) -> Distortion:
         """Stretch of the part's edges and orientation of its faces under the map."""
-        return distortion(self.part, self.full, self.points, outward=self.outward, scale=self.scale)
+        return self.distortion_by(self.points)
+
+    def distortion_by(self, points: SurfacePoints) -> Distortion:
+        """The same under another map, of which `points` (n_part,) are the places."""
+        return distortion(self.part, self.full, points, outward=self.outward, scale=self.scale)
 
     def check(self) -> MatchCheck:
         """Re-derive area, distortion and orientation from the meshes; see :class:`MatchCheck`."""

@@ -241,8 +241,8 @@ def _decimated(
 def _compact(vertices: Floats, faces: Ints) -> tuple[Floats, Ints]:
     """Without faces that name a vertex twice and without unreferenced vertices."""
     proper = (faces != np.roll(faces, 1, axis=1)).all(axis=1)
-    used, renumbered = topology.renumbered(faces[proper])
-    return vertices[used], renumbered
+    used, faces = topology.renumbered(faces[proper])
+    return vertices[used], faces
 
 
 def _on_surface(

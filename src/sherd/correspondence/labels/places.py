@@ -58,7 +58,7 @@ def further_labelings(
     return [
         described(problems, chance, each, known.first_ratio)
         for each in places
-        if not _is_known((forward, backward), each, known)
+        if not _is_known(problems, each, known)
     ]
 
 
