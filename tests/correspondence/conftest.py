@@ -11,7 +11,7 @@ import trimesh
 from sherd.arrays import Floats, Ints
 from sherd.correspondence.labels.labeling import SAME_SCALE, Problem, labeling_problem
 from sherd.correspondence.question import Question
-from sherd.descriptors.tangent_frames import geodesic_directions
+from sherd.descriptors.tangent_frames import Compass
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.spectral.geodesics import Geodesics
 from sherd.surface.described import DescribedSurface, Known
@@ -82,10 +82,8 @@ def planted(blob: TriangleMesh, full: DescribedSurface) -> Planted:
 def samples_at(surface: DescribedSurface, vertices: Ints) -> Samples:
     distances = Geodesics(surface.mesh).distances_from(vertices)
     x_axes, z_axes = surface.frames(vertices)
-    directions = geodesic_directions(
-        surface.mesh, vertices, distances, x_axes=x_axes, z_axes=z_axes, near=NEAR
-    )
-    return Samples.of(vertices, distances, directions)
+    compass = Compass(surface.mesh, vertices, x_axes=x_axes, z_axes=z_axes, near=NEAR)
+    return Samples.of(vertices, distances, compass.toward(vertices, distances))
 
 
 def true_rotations(full: DescribedSurface, part: DescribedSurface, labels: Ints) -> Floats:

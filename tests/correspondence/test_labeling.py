@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from sherd.arrays import Singles
-from sherd.correspondence.labels.anchors import find_anchors, grown
+from sherd.correspondence.labels.anchors import find_anchors, first_labeling, grown
 from sherd.correspondence.labels.labeling import (
     SIMILARITY_STEP,
     UNARY_WEIGHT,
@@ -123,3 +125,25 @@ def test_lack_of_similarity_costs_by_the_step_and_forbidden_labels_cost_most(pla
     assert (cost[~deep] <= UNARY_WEIGHT * (lack / (1 + lack / 3.0))[~deep] + 1e-4).all()
     problem.forbidden[0, labels[0, 0]] = True
     assert unary_cost(problem, labels, rotations, 0.1)[0, 0] == 1e3
+
+
+def test_nodes_that_look_as_others_do_share_what_was_computed(planted) -> None:
+    problem = problem_of(planted)
+    problem.forbidden[3, 7] = True
+    order = np.random.default_rng(5).permutation(len(problem.nodes))
+    mixed = problem.mixed(order)
+    apart = replace(
+        problem, similarity=problem.similarity[order], forbidden=problem.forbidden[order]
+    )
+    assert mixed.similarity is problem.similarity
+    one, other = first_labeling(mixed), first_labeling(apart)
+    assert one.energy == other.energy > first_labeling(problem).energy
+    np.testing.assert_array_equal(one.labels, other.labels)
+    np.testing.assert_array_equal(mixed.mixed(order).peaks, apart.peaks[order])
+    np.testing.assert_array_equal(grown_again(mixed, one), grown_again(apart, other))
+
+
+def grown_again(problem: Problem, labeling: Labeling) -> np.ndarray:
+    kept = np.zeros(len(problem.nodes), dtype=bool)
+    kept[:50] = True
+    return grown(problem, labeling, kept).labels

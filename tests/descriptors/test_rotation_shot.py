@@ -16,7 +16,7 @@ from sherd.descriptors.rotation_shot import (
     similarity,
     weighted_spectra,
 )
-from sherd.descriptors.tangent_frames import geodesic_directions, smoothed_normals, tangent_axes
+from sherd.descriptors.tangent_frames import Compass, smoothed_normals, tangent_axes
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.spectral.geodesics import Geodesics
 
@@ -146,7 +146,8 @@ def test_geodesics_of_a_plane_leave_in_straight_lines() -> None:
     distances = Geodesics(mesh).distances_from(samples)
     axes = np.tile([1.0, 0.0, 0.0], (3, 1))
     up = np.tile([0.0, 0.0, 1.0], (3, 1))
-    found = geodesic_directions(mesh, samples, distances, x_axes=axes, z_axes=up, near=0.5)
+    compass = Compass(mesh, samples, x_axes=axes, z_axes=up, near=0.5)
+    found = compass.toward(samples, distances)
     chords = grid[samples][None] - grid[samples][:, None]
     true = np.arctan2(chords[..., 1], chords[..., 0])
     off = np.abs(np.angle(np.exp(1j * (found - true))))[~np.eye(3, dtype=bool)]

@@ -14,7 +14,7 @@ from sherd.drawing.camera import best_view, orbit_view, upward
 from sherd.drawing.color_bar import ticks
 from sherd.drawing.exhibit import Exhibit, Layer
 from sherd.drawing.picture import picture, png_bytes, stage, write_picture
-from sherd.drawing.raster_kernel import covered_faces, shaded_image
+from sherd.drawing.raster_kernel import BAND, covered_faces, shaded_image
 from sherd.errors import OptionError, OutputError
 from sherd.mesh.triangle_mesh import TriangleMesh
 
@@ -87,6 +87,22 @@ def test_orientation_decides_what_is_inside():
     )[2, 2]
     np.testing.assert_array_equal(mixed, outside)
     assert int(outside[0]) - int(outside[1]) > 2 * (int(inside[0]) - int(inside[1]))
+
+
+def test_what_reaches_over_bands_of_rows_is_drawn_whole():
+    rng = np.random.default_rng(1)
+    height, width, samples = 2 * BAND // 3 + 40, 50, 3
+    points = rng.uniform([-10, -10, 0], [width + 10, height + 10, 9], size=(120, 3))
+    faces = rng.integers(120, size=(60, 3))
+    faces = faces[(np.diff(np.sort(faces, axis=1), axis=1) > 0).all(axis=1)]
+    image = shaded_image(
+        points, faces, normals=np.tile([0.0, 0.0, 1.0], (120, 1)),
+        colors=rng.integers(255, size=(120, 3), dtype=np.uint8), width=width, height=height,
+    )  # fmt: skip
+    fine = points * [samples, samples, 1.0]
+    seen = covered_faces(fine, faces, width=samples * width, height=samples * height) >= 0
+    share = seen.reshape(height, samples, width, samples).mean(axis=(1, 3))
+    np.testing.assert_array_equal(image[..., 3], (255 * share + 0.5).astype(np.uint8))
 
 
 def test_picture_shows_the_mask_and_repeats_to_the_bit(exhibit):

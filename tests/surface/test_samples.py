@@ -7,7 +7,13 @@ import pytest
 
 from sherd.surface.counted import TURN
 from sherd.surface.described import NO_CUT, DescribedSurface
-from sherd.surface.samples import DENSE_COUNT, SPARSE_COUNT, Samples
+from sherd.surface.samples import (
+    DENSE_COUNT,
+    SPARSE_COUNT,
+    Samples,
+    coarse_labels,
+    dense_samples,
+)
 from sherd.surface.template import Template
 from sherd.surface.working import WorkingSurface, working_surface
 
@@ -83,6 +89,18 @@ def test_a_sample_has_a_cell_of_its_own_though_another_is_as_near() -> None:
     samples = Samples.of(np.array([0, 1]), distances, none)
     assert samples.cells.tolist() == [0, 1, 0]
     assert samples.farthest_first.tolist() == [0, 1]
+
+
+def test_coarse_labels_are_fewer_dense_samples_without_their_distances(
+    template: Template,
+) -> None:
+    coarse = coarse_labels(template.working, template.frames, 300)
+    dense = dense_samples(template.working, template.frames, 300)
+    np.testing.assert_array_equal(coarse.vertices, dense.vertices)
+    np.testing.assert_allclose(coarse.between, dense.between, atol=1e-4)  # those are rounded
+    turned = np.angle(np.exp(1j * (coarse.directions - dense.directions)))
+    assert np.abs(turned[~np.eye(300, dtype=bool)]).max() < 1e-3
+    assert (coarse.cells == dense.cells).mean() > 0.99
 
 
 def test_samples_are_spread_and_the_first_ones_farthest_apart(

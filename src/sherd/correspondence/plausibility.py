@@ -15,7 +15,7 @@ from sherd.correspondence.question import Question
 from sherd.correspondence.working_placement import WorkingPlacement
 from sherd.descriptors.rotation_shot import pooled_similarity, similarity, trusted_equally
 from sherd.surface.described import RADII, DescribedSurface
-from sherd.surface.transformed import coarsely_labeled, mirrored
+from sherd.surface.transformed import mirrored
 
 __all__ = [
     "FEATURELESS",
@@ -111,7 +111,7 @@ def first_energy_ratio(
     spectra = seen.axes.project(part.trusted_spectra(part.sparse.vertices))
     cells = labels.cells[seen.vertices]
     similar = pooled_similarity(seen.spectra, spectra, cells, len(labels))
-    question = Question(coarsely_labeled(full), part, SAME_SCALE)
+    question = Question(full, part, SAME_SCALE, other_labels=labels)
     problem = labeling_problem(question, similar, rng)
     return energy_ratio(problem, first_labeling(problem), rng)
 

@@ -9,6 +9,7 @@ import numpy as np
 from sherd.arrays import Bools, Floats, Ints
 from sherd.correspondence.labels.labeling_data import Comparison
 from sherd.surface.described import DescribedSurface
+from sherd.surface.samples import Labels
 
 __all__ = ["NO_PINS", "Pins", "Question"]
 
@@ -48,8 +49,7 @@ class Question:
     Attributes
     ----------
     full, part
-        The two shapes: dense samples of `full` are the labels that sparse samples of `part`, the
-        nodes, get.
+        The two shapes. Sparse samples of `part`, the nodes, get `labels`.
     comparison
         How lengths and directions are compared.
     pins
@@ -57,6 +57,8 @@ class Question:
     free
         (n,) bool, vertices of the full shape's working mesh where nodes may be placed, since
         nothing else lies there; all if None.
+    other_labels
+        Labels other than the dense samples of `full`.
     """
 
     full: DescribedSurface
@@ -64,6 +66,12 @@ class Question:
     comparison: Comparison
     pins: Pins = NO_PINS
     free: Bools | None = None
+    other_labels: Labels | None = None
+
+    @property
+    def labels(self) -> Labels:
+        """Vertices of `full` that stand for its places."""
+        return self.full.dense if self.other_labels is None else self.other_labels
 
     def with_part(self, part: DescribedSurface) -> Question:
         """The same question about another part, such as the mirror image."""

@@ -14,7 +14,8 @@ from sherd.correspondence.labels.anchors import (
     first_labeling,
     proposed_anchors,
 )
-from sherd.correspondence.labels.labeling import CLEAR, Labeling, Problem, labeling_problem
+from sherd.correspondence.labels.labeling import Labeling, Problem, labeling_problem
+from sherd.correspondence.labels.node_pairs import CLEAR
 from sherd.correspondence.placements import node_similarity
 from sherd.correspondence.question import Question
 from sherd.descriptors.rotation_shot import pooled_similarity

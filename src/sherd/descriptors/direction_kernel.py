@@ -25,11 +25,11 @@ class Slopes(NamedTuple):
 
 @compiled()
 def directions(  # noqa: PLR0913
-    rows, places, samples, distances, slopes, x_axes, y_axes, near, angles
+    rows, places, targets, samples, distances, slopes, x_axes, y_axes, near, angles
 ):
-    """Write the angle (s, s) at which the geodesic from sample i to sample j leaves i.
+    """Write the angle (s, t) at which the geodesic from sample i to target j leaves i.
 
-    `rows` count the samples j, whose distances then stay in the cache.
+    `rows` count the targets j, whose distances then stay in the cache.
     """
     starts, vertices, along, across = slopes
     for other in range(rows[0], rows[1]):
@@ -38,7 +38,7 @@ def directions(  # noqa: PLR0913
             x, y = 0.0, 0.0
             if away[samples[sample]] < near:
                 for axis in range(3):
-                    chord = places[other, axis] - places[sample, axis]
+                    chord = targets[other, axis] - places[sample, axis]
                     x += chord * x_axes[sample, axis]
                     y += chord * y_axes[sample, axis]
             else:

@@ -48,8 +48,9 @@ __all__ = [
 _REAL, _IMAGINARY = range(FREQUENCIES), range(1, FREQUENCIES - 1)
 
 # Part points, and full vertices, that are compared at a time. BLAS copies both factors first, which
-# for 25 points and all vertices took longer than the product (three times as long in all).
-POINTS, VERTICES = 250, 1250
+# for 25 points and all vertices took longer than the product (three times as long in all); more
+# vertices take no less time, only memory.
+POINTS, VERTICES = 250, 640
 
 
 def rotation_spectra(
@@ -162,7 +163,7 @@ def _compared(
 ) -> Iterator[tuple[slice, slice, Singles]]:
     """Slices of part points and of full vertices, and the 8 numbers that rotations are made from.
 
-    All blocks (8, q', n') are written to one place of 10 MB, so one must be used before the next is
+    All blocks (8, q', n') are written to one place of 5 MB, so one must be used before the next is
     asked for; one BLAS thread for each product keeps the bits independent of the number of cores.
     """
     half = part_spectra.shape[2] // 2

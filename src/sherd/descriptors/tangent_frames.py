@@ -16,7 +16,7 @@ from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.spectral.diffusion import diffused
 from sherd.threads import over_rows
 
-__all__ = ["geodesic_directions", "smoothed_normals", "tangent_axes"]
+__all__ = ["Compass", "smoothed_normals", "tangent_axes"]
 
 
 def smoothed_normals(mesh: TriangleMesh, width: float) -> Floats:
@@ -44,19 +44,12 @@ def tangent_axes(normals: Floats, reference: Floats) -> Floats:
     return result
 
 
-def geodesic_directions(
-    mesh: TriangleMesh,
-    samples: Ints,
-    distances: NDArray[np.floating],
-    *,
-    x_axes: Floats,
-    z_axes: Floats,
-    near: float,
-) -> Singles:
-    """Angle (s, s) in radians at which the geodesic from sample i to sample j leaves sample i.
+class Compass:
+    """Tells in which directions geodesics leave samples.
 
-    The direction is minus the gradient of the distance to j, averaged over the faces at i. Closer
-    than `near` (mesh length), where the gradient of a distance is poor, the chord takes its place.
+    A direction is minus the gradient of the distance to the target, averaged over the faces at
+    the sample. Closer than `near` (mesh length), where the gradient of a distance is poor, the
+    chord takes its place.
 
     Parameters
     ----------
@@ -64,27 +57,45 @@ def geodesic_directions(
         The surface.
     samples
         (s,) vertices.
-    distances
-        (s, n) geodesic distance from each sample; infinite entries give meaningless angles.
     x_axes, z_axes
         (s, 3) tangent frame at each sample.
     near
         Below this distance the chord is used.
     """
-    from sherd.descriptors.direction_kernel import Slopes, directions  # slow  # noqa: PLC0415
 
-    side = np.cross(z_axes, x_axes)
-    along = _sample_gradient(mesh, samples, x_axes)
-    across = _sample_gradient(mesh, samples, side)
-    slopes = Slopes(
-        along.indptr.astype(np.int64), along.indices.astype(np.int64), along.data, across.data
-    )
-    angles = np.empty((len(samples), len(samples)), dtype=np.float32)
-    over_rows(
-        directions, len(samples), np.ascontiguousarray(mesh.vertices[samples]), samples, distances,
-        slopes, np.ascontiguousarray(x_axes), np.ascontiguousarray(side), near, angles,
-    )  # fmt: skip
-    return angles
+    def __init__(
+        self, mesh: TriangleMesh, samples: Ints, *, x_axes: Floats, z_axes: Floats, near: float
+    ) -> None:
+        from sherd.descriptors.direction_kernel import Slopes  # loads slowly  # noqa: PLC0415
+
+        self._mesh, self._samples, self._near = mesh, samples, near
+        side = np.cross(z_axes, x_axes)
+        along = _sample_gradient(mesh, samples, x_axes)
+        across = _sample_gradient(mesh, samples, side)
+        self._slopes = Slopes(
+            along.indptr.astype(np.int64), along.indices.astype(np.int64), along.data, across.data
+        )
+        self._axes = np.ascontiguousarray(x_axes), np.ascontiguousarray(side)
+
+    def toward(self, targets: Ints, distances: NDArray[np.floating]) -> Singles:
+        """Angle (s, t) in radians at which the geodesic to each target leaves each sample.
+
+        Parameters
+        ----------
+        targets
+            (t,) vertices.
+        distances
+            (t, n) geodesic distance from each of them; infinite entries give meaningless angles.
+        """
+        from sherd.descriptors.direction_kernel import directions  # as above  # noqa: PLC0415
+
+        places = self._mesh.vertices
+        angles = np.empty((len(self._samples), len(targets)), dtype=np.float32)
+        over_rows(
+            directions, len(targets), places[self._samples], places[targets], self._samples,
+            distances, self._slopes, *self._axes, self._near, angles,
+        )  # fmt: skip
+        return angles
 
 
 def _sample_gradient(mesh: TriangleMesh, samples: Ints, axes: Floats) -> sparse.csr_array:

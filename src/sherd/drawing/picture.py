@@ -41,9 +41,9 @@ MARGIN = 0.05
 HEADING, ABOVE = 70, 30
 # Two shapes with words need 400 pixels; 10,000 are A3 across at 600 dots per inch.
 WIDTHS = (400, 10_000)
-# A panel is half as wide as the picture and 0.4 of its width high; its depths and faces are kept
-# for 9 rays a pixel, 12 bytes each. The rest is three copies of the picture.
-BYTES_PER_SQUARE = 30
+# Three copies of a picture half as high as wide, 4 bytes a pixel, and a third more for a band of
+# rays of each panel.
+BYTES_PER_SQUARE = 8
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import sparse
 
 from sherd.arrays import Floats
 from sherd.energy.mumford_shah import gradient_weight
@@ -39,23 +38,19 @@ class BatchedEnergy:
         self.areas = problem.vertex_areas.astype(dtype)[:, None]
         self._descriptors = problem.weighted_descriptors.astype(dtype)
         self._integral = problem.part_integral.astype(dtype)[:, None]
-        difference, spread = _edge_operators(problem)
-        self._difference = difference.astype(dtype)
-        self._difference_transposed = sparse.csr_array(self._difference.T)
-        self._spread = spread.astype(dtype)
-        self._spread_transposed = sparse.csr_array(self._spread.T)
+        self._edges = problem.edges.of_type(dtype)
         gain = problem.weighted_evidence.astype(dtype)[:, None]
         self._gain = gain if problem.evidence.any() else None
 
     def edge_weights(self, phase_fields: Reals) -> Reals:
         """Edge weights w (e, c) of phase fields (n, c)."""
-        weights: Reals = self._spread @ np.asarray(phase_fields**2, dtype=self.dtype)
+        weights: Reals = self._edges.spread @ np.asarray(phase_fields**2, dtype=self.dtype)
         return weights
 
     def gradient_weights(self, memberships: Reals) -> Reals:
         """Diagonals of S(u), (n, c)."""
-        jumps = self._difference @ memberships
-        return np.asarray(self._spread_transposed @ jumps**2)
+        jumps = self._edges.difference @ memberships
+        return np.asarray(self._edges.spread_transposed @ jumps**2)
 
     def __call__(
         self, memberships: Reals, edge_weights: Reals, crispness: float
@@ -71,10 +66,10 @@ class BatchedEnergy:
         slopes = self._descriptors @ (2.0 * residuals).astype(self.dtype)
         factor = weights.regularity * weights.smoothness
         if factor > 0:
-            jumps = self._difference @ memberships
+            jumps = self._edges.difference @ memberships
             flux = edge_weights * jumps
             values += 0.5 * factor * (flux * jumps).sum(axis=0, dtype=np.float64)
-            slopes += self.dtype.type(factor) * (self._difference_transposed @ flux)
+            slopes += self.dtype.type(factor) * (self._edges.difference_transposed @ flux)
         if crispness > 0:
             scaled = self.dtype.type(4.0 * crispness / area) * self.areas
             values += (scaled * memberships * (1 - memberships)).sum(axis=0, dtype=np.float64)
@@ -115,24 +110,6 @@ def subspace_phase_fields(
         ):
             result[:, column] = field
     return result
-
-
-def _edge_operators(problem: RegionProblem) -> tuple[sparse.csr_array, sparse.csr_array]:
-    """Differences along edges (e, n), and M (e, n) with `w = M rho^2`."""
-    faces, count = problem.faces, problem.vertex_count
-    first, second = faces[:, [1, 2, 0]].ravel(), faces[:, [2, 0, 1]].ravel()
-    keys = np.minimum(first, second) * count + np.maximum(first, second)
-    unique, edge_of = np.unique(keys, return_inverse=True)
-    rows = np.repeat(np.arange(len(unique)), 2)
-    ends = np.stack([unique // count, unique % count], axis=1).ravel()
-    signs = np.tile([1.0, -1.0], len(unique))
-    difference = sparse.coo_array((signs, (rows, ends)), shape=(len(unique), count))
-    thirds = np.repeat(problem.corner_weights.ravel() / 3.0, 3)
-    corners = np.repeat(faces, 3, axis=0).ravel()  # every corner of the face feeds its three edges
-    spread = sparse.coo_array(
-        (thirds, (np.repeat(edge_of, 3), corners)), shape=(len(unique), count)
-    )
-    return sparse.csr_array(difference), sparse.csr_array(spread)
 
 
 def _phase_energy(problem: RegionProblem, field: Floats, spring: Floats) -> float:

@@ -189,16 +189,9 @@ def logistic_regions(
     """
     options = options or LogisticOptions()
     starts = checked_starts(initial, problem.vertex_count)
-    search = _SigmoidEnergy(problem, basis, np.float32)
     flat = np.ones_like(starts.T)
-    found = search.minimize(
-        search.coefficients(starts), flat, 0.0, options.search_evaluations, options.tolerance
-    )
-    memberships = search.memberships(found.points, np.arange(len(starts)))
-    chosen = distinct_columns(problem, memberships, found.values)[: options.survivors]
+    chosen, points, used, memberships = _searched(problem, basis, starts, flat, options)
     polish = _SigmoidEnergy(problem, basis, np.float64)
-    points, used = found.points[:, chosen], found.evaluations[chosen]
-    memberships = np.asarray(memberships[:, chosen], dtype=np.float64)
     fields = flat[:, chosen]
     for crispness in options.crispness:
         fields = subspace_phase_fields(problem, basis, memberships, fields)
@@ -222,6 +215,28 @@ def logistic_regions(
     ]
     totals = np.array([region.energy.total for region in regions])
     return [regions[index] for index in distinct_columns(problem, memberships, totals)]
+
+
+def _searched(
+    problem: RegionProblem,
+    basis: EigenBasis,
+    starts: Floats,
+    flat: Floats,
+    options: LogisticOptions,
+) -> tuple[Ints, Floats, Ints, Floats]:
+    """The starts that survive: rows (c,), coefficients (k, c), evaluations, memberships (n, c)."""
+    search = _SigmoidEnergy(problem, basis, np.float32)
+    found = search.minimize(
+        search.coefficients(starts), flat, 0.0, options.search_evaluations, options.tolerance
+    )
+    memberships = search.memberships(found.points, np.arange(len(starts)))
+    chosen = distinct_columns(problem, memberships, found.values)[: options.survivors]
+    return (
+        chosen,
+        found.points[:, chosen],
+        found.evaluations[chosen],
+        np.asarray(memberships[:, chosen], dtype=np.float64),
+    )
 
 
 def area_shift(
@@ -259,9 +274,9 @@ class _SigmoidEnergy:
     def __init__(self, problem: RegionProblem, basis: EigenBasis, dtype: Any) -> None:
         self._problem = problem
         self._energy = BatchedEnergy(problem, dtype)
-        # times sqrt(area): each column has mean square 1, so a coefficient is of order 1
+        # eigenvectors times sqrt(area) have mean square 1, so a coefficient is of order 1
         self._scale = math.sqrt(problem.area)
-        self._vectors = np.ascontiguousarray(basis.eigenvectors * self._scale, dtype=dtype)
+        self._vectors = np.ascontiguousarray(basis.eigenvectors, dtype=dtype)
         self._basis = basis
         self._areas = problem.vertex_areas.astype(dtype)
         self._shift = np.zeros(0, dtype=dtype)
@@ -273,7 +288,7 @@ class _SigmoidEnergy:
         return self._basis.project(odds.T) / self._scale
 
     def memberships(self, points: Floats, columns: Ints) -> NDArray[Any]:
-        scores = self._vectors @ points.astype(self._vectors.dtype)
+        scores = self._vectors @ (self._scale * points).astype(self._vectors.dtype)
         guess = self._shift[columns]
         self._shift[columns] = area_shift(scores, self._areas, self._problem.part_area, guess)
         return _sigmoid(scores + self._shift[columns])
@@ -290,7 +305,7 @@ class _SigmoidEnergy:
             w = u * (1 - u)
             level = (g * w).sum(axis=0) / np.maximum(self._areas @ w, 1e-30)
             slopes = self._vectors.T @ (w * (g - self._areas[:, None] * level))
-            return values, slopes.astype(np.float64)
+            return values, self._scale * slopes.astype(np.float64)
 
         return evaluate
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,7 +16,7 @@ from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.spectral.operators import corner_cotangents, gradient, stiffness
 from sherd.threads import cached_property
 
-__all__ = ["EnergyWeights", "RegionProblem", "region_problem"]
+__all__ = ["EdgeOperators", "EnergyWeights", "RegionProblem", "region_problem"]
 
 
 # A part may exceed the full shape by discretization and pose alone; beyond this it cannot fit.
@@ -62,6 +63,32 @@ class EnergyWeights:
 
 
 @dataclass(frozen=True, eq=False)
+class EdgeOperators:
+    """The integral of `rho^2 |grad u|^2` written over edges: `sum_e w_e (u_i - u_j)^2`.
+
+    Attributes
+    ----------
+    difference
+        (e, n) sparse, `u_i - u_j` of each edge.
+    spread
+        M (e, n) sparse, `w = M rho^2`.
+    difference_transposed, spread_transposed
+        By rows, so that products need no search.
+    """
+
+    difference: sparse.csr_array
+    spread: sparse.csr_array
+    difference_transposed: sparse.csr_array
+    spread_transposed: sparse.csr_array
+
+    def of_type(self, dtype: Any) -> EdgeOperators:
+        """The same in float32 or float64."""
+        return EdgeOperators(
+            *(getattr(self, each.name).astype(dtype, copy=False) for each in fields(self))
+        )
+
+
+@dataclass(frozen=True, eq=False)
 class RegionProblem:
     """One question: which region has this area and this descriptor integral.
 
@@ -91,6 +118,8 @@ class RegionProblem:
         (n,) gain per unit of membership at each vertex, dimensionless; zeros without any.
     corner_weights
         (m, 3), half the cotangent at each corner, 1: the entries of K(rho).
+    edges
+        The same by edges, for many memberships at once.
     """
 
     faces: Ints
@@ -104,6 +133,7 @@ class RegionProblem:
     weights: EnergyWeights
     evidence: Floats
     corner_weights: Floats = field(repr=False)
+    edges: EdgeOperators = field(repr=False)
 
     @property
     def vertex_count(self) -> int:
@@ -182,6 +212,7 @@ def region_problem(
     """
     count = full.vertex_count
     descriptors, integral = _checked_descriptors(full_descriptors, part_integral, count)
+    corner_weights = frozen(0.5 * corner_cotangents(full.vertices, full.faces))
     return RegionProblem(
         faces=full.faces,
         face_areas=full.face_areas,
@@ -193,8 +224,26 @@ def region_problem(
         part_area=_checked_area(part_area, full.area),
         weights=weights or EnergyWeights(),
         evidence=_checked_evidence(np.zeros(count) if evidence is None else evidence, count),
-        corner_weights=frozen(0.5 * corner_cotangents(full.vertices, full.faces)),
+        corner_weights=corner_weights,
+        edges=_edge_operators(full.faces, corner_weights, count),
     )
+
+
+def _edge_operators(faces: Ints, corner_weights: Floats, count: int) -> EdgeOperators:
+    first, second = faces[:, [1, 2, 0]].ravel(), faces[:, [2, 0, 1]].ravel()
+    keys = np.minimum(first, second) * count + np.maximum(first, second)
+    unique, edge_of = np.unique(keys, return_inverse=True)
+    rows = np.repeat(np.arange(len(unique)), 2)
+    ends = np.stack([unique // count, unique % count], axis=1).ravel()
+    signs = np.tile([1.0, -1.0], len(unique))
+    shape = (len(unique), count)
+    difference = sparse.csr_array(sparse.coo_array((signs, (rows, ends)), shape=shape))
+    thirds = np.repeat(corner_weights.ravel() / 3.0, 3)
+    corners = np.repeat(faces, 3, axis=0).ravel()  # every corner of the face feeds its three edges
+    places = (np.repeat(edge_of, 3), corners)
+    spread = sparse.csr_array(sparse.coo_array((thirds, places), shape=shape))
+    transposed = (sparse.csr_array(each.T) for each in (difference, spread))
+    return EdgeOperators(difference, spread, *transposed)
 
 
 def _checked_area(part_area: float, full_area: float) -> float:

@@ -100,16 +100,23 @@ def soft_match(
     """
     best = similarity.max(axis=1, keepdims=True)
     areas = np.maximum(geometry.areas, 1e-12).astype(np.float32)
-    likelihood = (similarity - best) / np.float32(TEMPERATURE) + np.log(areas)
+    # such arrays are the largest of all, so they are changed in place where nobody needs them
+    likelihood = similarity - best
+    likelihood /= np.float32(TEMPERATURE)
+    likelihood += np.log(areas)
     if forbidden is not None:
         likelihood[:, forbidden] = -np.float32(1e4)  # impossible, and sums stay finite
     capacity = _Capacity(geometry, np.float32(1.0) if forbidden is None else ~forbidden)
-    probability = capacity.normalized(likelihood)
+    probability = capacity.normalized(likelihood.copy())
     for width in CONTEXT_WIDTHS:
         neighbors = _neighbor_weights(geometry, width)
         density = spread(probability, geometry, width)
-        context = neighbors @ np.log(np.float32(ABSENT) + density)
-        probability = capacity.normalized(likelihood + np.float32(CONTEXT_WEIGHT) * context)
+        density += np.float32(ABSENT)
+        np.log(density, out=density)
+        context = np.matmul(neighbors, density, out=probability)
+        context *= np.float32(CONTEXT_WEIGHT)
+        context += likelihood
+        probability = capacity.normalized(context)
     return probability
 
 
@@ -138,8 +145,9 @@ class _Capacity:
         self._mass = (geometry.sample_areas * geometry.part_fraction).astype(np.float32)
         self._price = np.zeros(len(geometry.areas), dtype=np.float32)
 
-    def normalized(self, scores: Singles) -> Singles:
-        weight: Singles = scores - scores.max(axis=1, keepdims=True)
+    def normalized(self, weight: Singles) -> Singles:
+        """Probabilities (q, n) in place of log probabilities."""
+        weight -= weight.max(axis=1, keepdims=True)
         np.maximum(weight, IMPOSSIBLE, out=weight)
         np.exp(weight, out=weight)  # once: a price is a factor of its place
         for _ in range(CAPACITY_STEPS):

@@ -5,13 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy import sparse
 from scipy.spatial import cKDTree
 
 from sherd.arrays import Bools, Floats, Ints, Singles
 from sherd.descriptors.rotation_shot import mirrored_spectra, similarity
 from sherd.energy.cleanup import clean_region
 from sherd.energy.logistic import LogisticOptions, LogisticRegion, logistic_regions
-from sherd.energy.problem import EnergyWeights, region_problem
+from sherd.energy.problem import EnergyWeights, RegionProblem, region_problem
 from sherd.mesh import topology
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.output import Stages
@@ -90,7 +91,8 @@ def locate_by_voting(
     )
     with stages("votes"):
         place = poll.vote(similarities.direct)
-    drawing = _Drawing(mesh, basis, fraction, chosen_weights(options, basis, fraction))
+    weights = chosen_weights(options, basis, fraction)
+    drawing = _Drawing.of(mesh, basis, _problem(mesh, place, fraction, weights))
     twin = begun(lambda: _Sketch.of(poll.vote(similarities.mirrored), drawing, mirrored=True))
     with stages("region"):
         best, mask = drawing.region(place, FINAL)
@@ -107,7 +109,7 @@ def locate_by_voting(
         phase_field=best.phase_field,
         energy=best.energy,
         convergence=best.status,
-        weights=drawing.weights,
+        weights=weights,
     )
 
 
@@ -184,35 +186,48 @@ class _Poll:
         )
 
 
+def _problem(
+    mesh: TriangleMesh, place: VotedPlace, part_area: float, weights: EnergyWeights
+) -> RegionProblem:
+    """Which region has the votes of each group.
+
+    The data term of the paper asks that each group of samples finds its whole area inside;
+    the votes themselves are the evidence at each vertex.
+    """
+    return region_problem(
+        mesh,
+        full_descriptors=place.group_votes,
+        part_integral=place.group_areas,
+        part_area=part_area,
+        weights=weights,
+        evidence=_evidence(place),
+    )
+
+
+def _evidence(place: VotedPlace) -> Floats:
+    return np.minimum(place.votes, 1.0) - 0.5
+
+
 @dataclass(frozen=True, eq=False)
 class _Drawing:
-    """Draws the region of least energy for given votes."""
+    """Draws the region of least energy for given votes; what they have in common is kept."""
 
-    full: TriangleMesh
     basis: EigenBasis
-    part_area: float
-    weights: EnergyWeights
+    problem: RegionProblem
+    adjacency: sparse.csr_array
+
+    @classmethod
+    def of(cls, mesh: TriangleMesh, basis: EigenBasis, problem: RegionProblem) -> _Drawing:
+        return cls(basis, problem, topology.adjacency(mesh.faces, mesh.vertex_count))
 
     def region(self, place: VotedPlace, effort: LogisticOptions) -> tuple[LogisticRegion, Bools]:
-        """The logistic membership and its crisp form (n,) bool.
-
-        The data term of the paper asks that each group of samples finds its whole area inside;
-        the votes themselves are the evidence at each vertex.
-        """
-        problem = region_problem(
-            self.full,
-            full_descriptors=place.group_votes,
-            part_integral=place.group_areas,
-            part_area=self.part_area,
-            weights=self.weights,
-            evidence=np.minimum(place.votes, 1.0) - 0.5,
-        )
+        """The logistic membership and its crisp form (n,) bool; see :func:`_problem`."""
+        problem = self.problem.with_descriptors(place.group_votes, place.group_areas)
+        problem = problem.with_evidence(_evidence(place))
         start = np.clip(place.votes, 0.0, 1.0)
         region = logistic_regions(problem, self.basis, start[None], options=effort)[0]
-        adjacency = topology.adjacency(self.full.faces, self.full.vertex_count)
-        areas = self.full.vertex_areas
-        mask = clean_region(region.membership, areas, self.part_area, adjacency=adjacency)
-        return region, mask
+        areas, area = problem.vertex_areas, problem.part_area
+        return region, clean_region(region.membership, areas, area, adjacency=self.adjacency)
 
 
 @dataclass(frozen=True, eq=False)

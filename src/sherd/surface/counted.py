@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from sherd.arrays import Singles
 
-__all__ = ["TURN", "counts_of", "numbers_of", "rounded", "steps_of"]
+__all__ = ["TURN", "counts_of", "numbers_of", "round_to_counts", "steps_of"]
 
 # Counts reach so far on either side of 0 and still are float32 exactly when multiplied by a power
 # of two; the one below them stands for what is infinite.
@@ -25,7 +25,7 @@ def counts_of(values: Singles) -> tuple[NDArray[np.int16], float]:
     """Counts (any shape) and the step that give `values` back, as near as half a step.
 
     The step is the least power of two by which `MOST` counts reach the largest finite number. It is
-    the same or finer for numbers that are :func:`rounded`, so these come back exactly.
+    the same or finer for numbers that are :func:`round_to_counts`, so these come back exactly.
 
     Parameters
     ----------
@@ -54,14 +54,13 @@ def numbers_of(counts: NDArray[np.int16], step: float) -> Singles:
     return values
 
 
-def rounded(values: Singles) -> Singles:
-    """`values` with the bits that they have once they were stored as counts."""
+def round_to_counts(values: Singles) -> None:
+    """Give `values`, in place, the bits that they have once they were stored as counts."""
     step = np.float32(_step_of(values))
-    result: Singles = values / step  # a power of two: nothing is lost
-    np.rint(result, out=result)
-    result *= step
-    result += np.float32(0.0)  # counts know no negative zero
-    return result
+    values /= step  # a power of two: nothing is lost
+    np.rint(values, out=values)
+    values *= step
+    values += np.float32(0.0)  # counts know no negative zero
 
 
 def steps_of(angles: NDArray[np.floating]) -> NDArray[np.uint16]:

@@ -20,7 +20,13 @@ from sherd.spectral.basis import EigenBasis, eigenbasis
 from sherd.spectral.geodesics import Geodesics
 from sherd.spectral.sampling import farthest_point_sample_euclidean
 from sherd.surface.elastic_surface import ElasticSurface, elastic_surface
-from sherd.surface.samples import COARSE_COUNT, Samples, dense_samples, sparse_samples
+from sherd.surface.samples import (
+    CoarseLabels,
+    Samples,
+    coarse_labels,
+    dense_samples,
+    sparse_samples,
+)
 from sherd.surface.working import WorkingSurface
 from sherd.threads import cached_property
 
@@ -203,9 +209,9 @@ class DescribedSurface:
         return dense_samples(self.working, self.frames)
 
     @cached_property
-    def coarse(self) -> Samples:
+    def coarse(self) -> CoarseLabels:
         """Fewer samples of the same kind as `dense`: labels where only likeness is asked for."""
-        return dense_samples(self.working, self.frames, COARSE_COUNT)
+        return coarse_labels(self.working, self.frames)
 
     @cached_property
     def spread(self) -> Spread:

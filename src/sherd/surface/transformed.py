@@ -12,7 +12,7 @@ from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.surface.described import NO_CUT, DescribedSurface, Known
 from sherd.surface.working import WorkingSurface
 
-__all__ = ["coarsely_labeled", "enlarged", "mirrored", "sampled_within", "thinned"]
+__all__ = ["enlarged", "mirrored", "sampled_within", "thinned"]
 
 FLIP = np.array([-1.0, 1.0, 1.0])
 
@@ -75,15 +75,6 @@ def sampled_within(surface: DescribedSurface, mask: Bools) -> DescribedSurface:
         spectra=surface.spectra,
     )
     return DescribedSurface(surface.working, reference=surface.reference, known=known)
-
-
-def coarsely_labeled(surface: DescribedSurface) -> DescribedSurface:
-    """The surface with its `coarse` samples for labels."""
-    return DescribedSurface(
-        surface.working,
-        reference=surface.reference,
-        known=Known(normals=surface.normals, dense=surface.coarse),
-    )
 
 
 def _reflected(working: WorkingSurface) -> WorkingSurface:

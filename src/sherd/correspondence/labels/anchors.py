@@ -106,13 +106,7 @@ def chance_energy(problem: Problem, rng: np.random.Generator) -> float:
     This leaves shapes, cuts and likeness what they are and mixes up only what looks like what. Of
     one round, which is enough to compare with.
     """
-    order = rng.permutation(len(problem.nodes))
-    mixed = replace(
-        problem,
-        similarity=np.ascontiguousarray(problem.similarity[order]),
-        forbidden=problem.forbidden[order],
-    )
-    return first_labeling(mixed).energy
+    return first_labeling(problem.mixed(rng.permutation(len(problem.nodes)))).energy
 
 
 def energy_ratio(problem: Problem, labeling: Labeling, rng: np.random.Generator) -> float:
@@ -274,7 +268,7 @@ def _best_from(
     turn = guided_turns(nodes, rows, at, part, full, state)[0]
     shifts = problem.similarity.shape[2]
     shift = np.round(turn / (2 * np.pi) * shifts).astype(np.int64) % shifts
-    lack = (problem.similarity[node].max() - problem.similarity[node, at[0], shift]) / step
+    lack = (problem.peaks[node].max() - problem.alike(nodes, at[0], shift)) / step
     cost = misfit[0] + LEADER_WEIGHT * UNARY_WEIGHT * lack / (1 + lack / SIMILARITY_LIMIT)
     best = int(cost.argmin())
     return int(at[0, best]), float(turn[best])

@@ -17,7 +17,7 @@ def forbidden_labels(question: Question) -> Bools:
     """Labels (k, s) that contradict a pin or lie where something else does."""
     forbidden = _contradicting(question)
     if question.free is not None:
-        taken = ~question.free[question.full.dense.vertices]
+        taken = ~question.free[question.labels.vertices]
         if not taken.all():  # where all is taken nothing can be said of the places
             forbidden |= taken
             forbidden[forbidden.all(axis=1)] = taken
@@ -30,12 +30,13 @@ def _contradicting(question: Question) -> Bools:
     A path on the part is a path on the full shape, so distances on the full shape are not longer,
     up to stretch and the spacing of labels.
     """
-    full, nodes, pins = question.full, question.part.sparse, question.pins
-    forbidden = np.zeros((len(nodes), len(full.dense)), dtype=bool)
+    full, labels = question.full, question.labels
+    nodes, pins = question.part.sparse, question.pins
+    forbidden = np.zeros((len(nodes), len(labels)), dtype=bool)
     if len(pins.vertices) == 0:
         return forbidden
     places = full.vertex_tree.query(pins.positions)[1]
-    reach = full.geodesics.distances_from(places)[:, full.dense.vertices]
+    reach = full.geodesics.distances_from(places)[:, labels.vertices]
     for vertex, row in zip(pins.vertices, reach, strict=True):
         node = int(np.flatnonzero(nodes.vertices == vertex)[0])
         limit = PIN_SLACK + PIN_STRETCH * nodes.between[node]

@@ -30,13 +30,18 @@ from sherd.correspondence.labels.labeling_data import (
     PartGeometry,
 )
 from sherd.correspondence.labels.message_passing_kernel import labeling_costs, pass_messages
+from sherd.correspondence.labels.node_pairs import (
+    HEAT_ERROR,
+    LENGTH_HALF,
+    compared_pairs,
+    edge_measures,
+)
 from sherd.correspondence.labels.peak_kernel import most_alike, rotation_peaks
 from sherd.correspondence.question import Question
-from sherd.surface.samples import Samples
+from sherd.surface.samples import Labels, Samples
 from sherd.threads import cached_property
 
 __all__ = [
-    "CLEAR",
     "SAME_SCALE",
     "UNKNOWN_SCALE",
     "Labeling",
@@ -48,10 +53,6 @@ __all__ = [
 ]
 
 
-# Each node is tied to its near neighbors, which carry the shape, and to some farther away, which
-# carry the layout; all pairs would be twenty times as many.
-NEAR_NEIGHBORS, MIDDLE_NEIGHBORS, FAR_NEIGHBORS = 10, 6, 6
-MIDDLE_REACH = 0.35
 # A length may be off by half the spacing of labels at both ends, and by a tenth through stretch.
 LENGTH_SIGMA, STRETCH_SIGMA = 0.02, 0.1
 # Beyond two sigma a pair says "wrong" and not more.
@@ -59,30 +60,16 @@ LIMIT = 4.0
 # Skin that touches skin is joined by a scanner, and by any surface through points, so paths on the
 # part may be shortcuts: one sigma beyond the part's length a longer one says no more.
 LONGER_LIMIT = 1.0
-# Short lengths are more reliable and there are more far pairs than near ones.
-LENGTH_HALF = 0.3
 # Between components of the part no geodesic is known, but the straight line is not longer than the
 # one on the full shape, and on animals and people three geodesics in four are not longer than
 # 1.35 straight lines (limbs that touch make the others, so beyond one sigma a length says no more).
-# Neighbors across the gap say what continues where; nodes at all distances, which limb is which.
-BRIDGES_NEAR, BRIDGES_FAR = 4, 6
 DETOUR, DETOUR_LIMIT, BRIDGE_WEIGHT = 1.35, 1.0, 1.0
-# Directions: 16 rotations are 22 degrees apart, and geodesics bend; useless beyond a limb's length.
+# Directions: 16 rotations are 22 degrees apart, and geodesics bend.
 ANGLE_SIGMA = float(np.radians(30.0))
-ANGLE_REACH = 0.3
-ANGLE_WEIGHT = 0.5
 SAME_SCALE = Comparison(LENGTH_SIGMA, STRETCH_SIGMA, LIMIT, LONGER_LIMIT, ANGLE_SIGMA)
 # Where the scale is unknown, all lengths may be too short by some percent, and longer ones must
 # count as much as shorter ones: they tell left from right.
 UNKNOWN_SCALE = SAME_SCALE._replace(longer_limit=LIMIT)
-# Paths that met the cut: the full shape's may be shorter by the heat method's few percent too, and
-# beyond this length nothing is believed to be equal.
-HEAT_ERROR, CUT_REACH = 0.05, 0.4
-# Belief in equal length where the path cannot have met the cut: then nothing else is asked.
-CLEAR = 1.0
-# How fast the belief in equal length fades once the path may have met the cut.
-CUT_FADE = 0.15
-CUT_SHARE = 0.6
 # A similarity 0.1 below the best is one unit of cost; three units say "unlike" and not more.
 SIMILARITY_STEP, SIMILARITY_LIMIT = 0.1, 3.0
 # One node's similarity weighs as much as its dozen weighted edges.
@@ -116,6 +103,8 @@ class Problem:
         What it costs to place a node nowhere; infinite if all must be placed.
     inside
         How many times its weight an edge to nowhere costs where the full shape goes on.
+    order
+        (k,) the row of `similarity` that each node has; its own if None.
     """
 
     question: Question
@@ -125,6 +114,7 @@ class Problem:
     forbidden: Bools
     price: float = np.inf
     inside: float = 1.0
+    order: Ints | None = None
 
     def priced(self, price: float, *, inside: float = 1.0) -> Problem:
         """The same problem with nowhere among the labels; what was computed of it is shared."""
@@ -132,15 +122,30 @@ class Problem:
         problem.__dict__["_peaks"] = self._peaks  # where cached properties are kept
         return problem
 
+    def mixed(self, order: Ints) -> Problem:
+        """The same problem where each node looks as another does, (k,) a permutation."""
+        problem = replace(self, forbidden=self.forbidden[order], order=self._rows[order])
+        problem.__dict__["_peaks"] = (self.peaks[order], self.turns[order])
+        return problem
+
+    def alike(self, nodes: Ints, labels: Ints, shifts: Ints) -> Singles:
+        """Similarity of nodes and labels at rotations, all of one shape or broadcast to it."""
+        found: Singles = self.similarity[self._rows[nodes], labels, shifts]
+        return found
+
+    @property
+    def _rows(self) -> Ints:
+        return np.arange(len(self.similarity)) if self.order is None else self.order
+
     @cached_property
     def nodes(self) -> Samples:
         """The part's samples, which get labels."""
         return self.question.part.sparse
 
     @cached_property
-    def labels(self) -> Samples:
-        """The full shape's samples."""
-        return self.question.full.dense
+    def labels(self) -> Labels:
+        """Where nodes may lie on the full shape."""
+        return self.question.labels
 
     @property
     def peaks(self) -> Singles:
@@ -216,21 +221,20 @@ def labeling_problem(question: Question, similarity: Singles, rng: np.random.Gen
     """Choose the edges and their weights; labels that contradict the pins are forbidden."""
     part = question.part
     nodes, depth = part.sparse, part.cut_distance[part.sparse.vertices]
-    edges = _edges(nodes, part.mesh.vertices[nodes.vertices], rng)
-    measures = _measures(edges, nodes, depth)
+    edges = compared_pairs(nodes, part.mesh.vertices[nodes.vertices], rng)
+    measures = edge_measures(edges, nodes, depth)
     return Problem(question, similarity, edges, measures, forbidden_labels(question))
 
 
 def unary_cost(problem: Problem, labels: Ints, rotations: Floats, step: float) -> Floats:
     """Cost (k, c) of candidates (k, c): how much less similar than the best of the node."""
-    similarity = problem.similarity
-    shifts = similarity.shape[2]
+    shifts = problem.similarity.shape[2]
     place = (rotations / (2 * np.pi) * shifts) % shifts
     below = np.floor(place).astype(np.int64)
     share = place - below
     rows = np.arange(len(labels))[:, None]
-    value = (1 - share) * similarity[rows, labels, below % shifts]
-    value += share * similarity[rows, labels, (below + 1) % shifts]
+    value = (1 - share) * problem.alike(rows, labels, below % shifts)
+    value += share * problem.alike(rows, labels, (below + 1) % shifts)
     lack = np.maximum(problem.peaks.max(axis=1)[:, None] - value, 0.0) / step
     cost = lack / (1.0 + lack / SIMILARITY_LIMIT)
     trust = np.clip(problem.node_depth / CUT_TRUST, CUT_LEAST, 1.0)
@@ -309,60 +313,6 @@ def _best_guesses(chosen: Ints, edges: Ints, costs: Singles, unary: Singles, pla
         np.add.at(total, edges[rows, here], table)
     guesses: Ints = np.where(placed, chosen, total.argmin(axis=1))
     return guesses
-
-
-def _edges(nodes: Samples, places: Floats, rng: np.random.Generator) -> Ints:
-    """Pairs (e, 2) of nodes, at (k, 3), that are compared; the first below the second."""
-    between = nodes.between
-    count = len(between)
-    tied = np.zeros((count, count), dtype=bool)
-    for node in range(count):
-        order = np.argsort(between[node], kind="stable")
-        order = order[(order != node) & np.isfinite(between[node, order])]
-        tied[node, order[:NEAR_NEIGHBORS]] = True
-        rest = order[NEAR_NEIGHBORS:]
-        close = between[node, rest] < MIDDLE_REACH
-        for choice, limit in ((rest[close], MIDDLE_NEIGHBORS), (rest[~close], FAR_NEIGHBORS)):
-            picked = rng.choice(choice, min(limit, len(choice)), replace=False)
-            tied[node, picked.astype(np.int64)] = True
-    tied |= _bridges(nodes, places)
-    first, second = np.nonzero(np.triu(tied | tied.T, 1))
-    return np.stack([first, second], axis=1)
-
-
-def _bridges(nodes: Samples, places: Floats) -> Bools:
-    """Pairs (k, k) of nodes in different components: the nearest, and some of all distances.
-
-    Nodes of crumbs, which have few neighbors in their own component, take more of the nearest.
-    """
-    tied: Bools = ~np.isfinite(nodes.between)
-    for node in np.flatnonzero(tied.any(axis=1)):
-        others = np.flatnonzero(tied[node])
-        straight = np.linalg.norm(places[others] - places[node], axis=1)
-        order = others[np.argsort(straight, kind="stable")]
-        own = len(places) - len(others) - 1
-        near = BRIDGES_NEAR + max(NEAR_NEIGHBORS - own, 0)
-        rest = order[near:]
-        far = rest[np.linspace(0, len(rest) - 1, min(BRIDGES_FAR, len(rest))).astype(int)]
-        tied[node] = False
-        tied[node, order[:near]] = True
-        tied[node, far] = True
-    return tied
-
-
-def _measures(edges: Ints, nodes: Samples, depth: Floats) -> EdgeMeasures:
-    """What is known of the edges (e, 2), by the distances (k,) of the nodes to the cut."""
-    length = np.asarray(nodes.between[edges[:, 0], edges[:, 1]], dtype=np.float64)
-    safe = depth[edges[:, 0]] + depth[edges[:, 1]]
-    clear = length <= (1 + HEAT_ERROR) * safe
-    fade = np.exp(-np.maximum(length - safe, 0.0) / CUT_FADE)
-    return EdgeMeasures(
-        length=length,
-        lower=(1 - HEAT_ERROR) * np.minimum(length, safe),
-        equality=np.where(clear, CLEAR, CUT_SHARE * fade * (length < CUT_REACH)),
-        weight=1.0 / (1.0 + (length / LENGTH_HALF) ** 2),
-        turn=np.where(length < ANGLE_REACH, ANGLE_WEIGHT, 0.0) * np.where(clear, 1.0, fade),
-    )
 
 
 def _bridge_costs(problem: Problem, bridges: Ints, labels: Ints) -> Singles:
