@@ -84,7 +84,7 @@ def locate_by_voting(
         basis = full.basis(options.basis_size)
     poll = _Poll(
         mesh,
-        basis,
+        basis.eigenvectors.astype(np.float32),
         candidates,
         _geometry(mesh, basis, part, candidates, fraction),
         _groups(samples),
@@ -158,7 +158,7 @@ class _Poll:
     """Lets every sample vote, and counts the votes on all vertices."""
 
     full: TriangleMesh
-    basis: EigenBasis
+    eigenvectors: Singles
     candidates: Ints
     geometry: MatchGeometry
     groups: Ints
@@ -173,8 +173,8 @@ class _Poll:
         shares = np.zeros((groups.max() + 1, len(groups)))
         shares[groups, np.arange(len(groups))] = geometry.sample_areas * geometry.part_fraction
         mass = shares.astype(np.float32) @ probability
-        onto = self.basis.eigenvectors.astype(np.float32)
-        density = spread(mass, geometry, CAPACITY_WIDTH, onto=onto).astype(np.float64)
+        spread_out = spread(mass, geometry, CAPACITY_WIDTH, onto=self.eigenvectors)
+        density = spread_out.astype(np.float64)
         # what the clipping of the truncated heat kernel added is taken off again, by group
         total = np.maximum(density @ self.full.vertex_areas / self.full.area, 1e-30)
         density *= (shares.sum(axis=1) / total)[:, None]
