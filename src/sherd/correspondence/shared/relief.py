@@ -4,11 +4,16 @@ Two limbs bend alike, are as thick and as long as each other, and labels lie wel
 skin that is the same has its bumps, saddles and flat places where the other one has them, and
 they keep their Gaussian curvature in every pose. So wherever a map lays it, the relief of the one
 must be that of the other, place by place.
+
+Another animal has other bumps, but it has its shoulders, its withers and its hollows where the
+first one has them: its form, which is the same at a larger size, of mean curvature. That changes
+where a joint is bent, and hardly elsewhere.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 from scipy.stats import rankdata
@@ -20,14 +25,18 @@ from sherd.correspondence.shared.two_way_placement import SharedPlacement
 from sherd.mesh.geometry import angle_defects
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.spectral.diffusion import diffused
+from sherd.spectral.operators import stiffness
 
-__all__ = ["alike_in_relief", "relief"]
+__all__ = ["alike_in_form", "alike_in_relief", "form", "relief"]
 
 # In sqrt(area) of the larger piece. As fine as a right map is exact (0.01 to 0.02), and against
 # what is around as far as a limb is wide: that a limb is round is true of all limbs.
 FINE, COARSE = 0.02, 0.07
 # Nearer to a cut the angles of faces that are gone are missing in the average: two widths of it.
 CUT = 2 * FINE
+# Form: what a map of another species is exact to (0.05), against what is around the chest or the
+# thigh that it belongs to.
+FORM_FINE, FORM_COARSE = 0.05, 0.14
 
 
 def relief(mesh: TriangleMesh) -> Floats:
@@ -37,11 +46,29 @@ def relief(mesh: TriangleMesh) -> Floats:
     root, as the curvature of a bump is that of its size squared, and tips would outweigh all else.
     """
     defects = angle_defects(mesh.vertices, mesh.faces)
-    defects[mesh.boundary_vertices] = 0.0
-    areas = np.maximum(mesh.vertex_areas, 1e-12 * mesh.area / mesh.vertex_count)
-    density = (defects / areas)[:, None]
-    fine, coarse = (diffused(mesh, density, width)[:, 0] for width in (FINE, COARSE))
+    fine, coarse = _averaged(mesh, defects, (FINE, COARSE))
     return _signed_root(fine) - _signed_root(coarse)
+
+
+def form(mesh: TriangleMesh) -> Floats:
+    """The form (n,) of a mesh in units of sqrt(area), 1 / length; positive where it bulges.
+
+    Mean curvature averaged over `FORM_FINE`, less the same over `FORM_COARSE`: half of the
+    Laplacian of positions along the normal.
+    """
+    pull = stiffness(mesh.vertices, mesh.faces) @ mesh.vertices
+    bulge = 0.5 * np.einsum("ij,ij->i", pull, mesh.vertex_normals)
+    fine, coarse = _averaged(mesh, bulge, (FORM_FINE, FORM_COARSE))
+    return fine - coarse
+
+
+def _averaged(mesh: TriangleMesh, curvature: Floats, widths: tuple[float, float]) -> list[Floats]:
+    """Integrals (n,) of curvature at vertices as its mean (n,) over each width."""
+    inside = curvature.copy()
+    inside[mesh.boundary_vertices] = 0.0
+    areas = np.maximum(mesh.vertex_areas, 1e-12 * mesh.area / mesh.vertex_count)
+    density = (inside / areas)[:, None]
+    return [diffused(mesh, density, width)[:, 0] for width in widths]
 
 
 def alike_in_relief(questions: Both[Question], placements: Both[SharedPlacement]) -> float:
@@ -50,8 +77,22 @@ def alike_in_relief(questions: Both[Question], placements: Both[SharedPlacement]
     Spearman's rank correlation over what is shared, by area, mean of both directions; 0 where
     nothing is shared. Ranks, since a nose or a hoof has more relief than all the rest.
     """
-    reliefs = (relief(questions[0].part.mesh), relief(questions[1].part.mesh))
-    both = zip(questions, placements, reliefs, reliefs[::-1], strict=True)
+    return _alike_in(relief, questions, placements)
+
+
+def alike_in_form(questions: Both[Question], placements: Both[SharedPlacement]) -> float:
+    """The same of :func:`form`."""
+    return _alike_in(form, questions, placements)
+
+
+def _alike_in(
+    field: Callable[[TriangleMesh], Floats],
+    questions: Both[Question],
+    placements: Both[SharedPlacement],
+) -> float:
+    """How alike a field is there, mean of both directions."""
+    fields = (field(questions[0].part.mesh), field(questions[1].part.mesh))
+    both = zip(questions, placements, fields, fields[::-1], strict=True)
     return float(np.mean([_alike(*each) for each in both]))
 
 

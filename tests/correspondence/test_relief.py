@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from sherd.correspondence.shared.relief import alike_in_relief, relief
 from sherd.mesh.surface_points import SurfacePoints, closest_points, points_at_vertices
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.puzzle.growing.join_chance import UNLIKE
-from sherd.puzzle.growing.relief import alike_in_relief, relief
 from sherd.shapes import creature
 
 
