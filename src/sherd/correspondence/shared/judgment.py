@@ -61,8 +61,13 @@ CHANCE_COEFFICIENTS = (-15.1, 7.1, -29.4, -1.3, 13.8, 7.8, 30.0)
 # views, cuts of animals); a fox on a lion of which half is left out is otherwise told by nothing.
 CONFIRMED, UNCONFIRMED_CHANCE = 2.0 / 3.0, 0.5
 
-# FITCOMMENT
-PLACE_COEFFICIENTS = (-7.5, -3.2, 7.1, 13.2, -1.5)
+# A logistic regression over 94 answers to 27 pairs: every second pair of SMAL, six single views,
+# five pairs of cuts of a generated and of animated animals; of each pair what saves most, further
+# places, and where the true labels lead. 25 lie right (an error below 0.06), 69 wrong (above 0.1).
+# The mean logarithm of what is said of a pair that is left out is -0.18, on the other half of SMAL,
+# in no fit, -0.15; with what CHANCE_COEFFICIENTS ask for instead, fitted to the same answers, -0.21
+# and -0.34.
+PLACE_COEFFICIENTS = (-5.7, -3.5, 5.7, 12.4, -1.8)
 
 # By as much a mirror image may be better by accident: of 34 right answers 6 are above.
 MIRROR_ACCIDENT = 0.03

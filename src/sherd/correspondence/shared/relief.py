@@ -34,8 +34,9 @@ __all__ = ["alike_in_form", "alike_in_relief", "form", "relief"]
 FINE, COARSE = 0.02, 0.07
 # Nearer to a cut the angles of faces that are gone are missing in the average: two widths of it.
 CUT = 2 * FINE
-# Form: what a map of another species is exact to (0.05), against what is around the chest or the
-# thigh that it belongs to.
+# Form: as fine as the map of another species is exact, against what is around, the chest or the
+# thigh that it belongs to. Chosen among widths from 0.02 to 0.2 on 27 pairs, mostly of SMAL: from
+# 0.035 and 0.1 to 0.07 and 0.2 all tell right from wrong about as well.
 FORM_FINE, FORM_COARSE = 0.05, 0.14
 
 
