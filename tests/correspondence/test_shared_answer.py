@@ -30,7 +30,8 @@ def asked(monkeypatch) -> list[str]:
     monkeypatch.setattr(module, "likeness_of_both", lambda *_: Likeness(0.02, 0.8, 0.8))
     monkeypatch.setattr(module, "most_open", lambda *_: 0.0)
     monkeypatch.setattr(module, "overlap_chance", lambda each, *_: each.own)
-    monkeypatch.setattr(module, "alike_in_form", lambda _, each: each.there)
+    monkeypatch.setattr(module, "form", lambda _: None)
+    monkeypatch.setattr(module, "alike_in", lambda _, __, each: each.there)
     monkeypatch.setattr(module, "shared_area", lambda *_: 1.0)
     monkeypatch.setattr(module, "place_chance", lambda _, __, form, *___, further: form)
     return laid
@@ -38,8 +39,9 @@ def asked(monkeypatch) -> list[str]:
 
 def answered(monkeypatch: Any, first: Any, *others: Any) -> SharedAnswer:
     monkeypatch.setattr(module, "further_labelings", lambda *_: list(others))
+    question = SimpleNamespace(part=SimpleNamespace(mesh=None))
     nothing: Any = (None, None)
-    return shared_answer(nothing, nothing, first, nothing, strain=0.3, seed=0)
+    return shared_answer((question, question), nothing, first, nothing, strain=0.3, seed=0)
 
 
 def test_a_sure_answer_is_asked_nothing_more(monkeypatch, asked) -> None:

@@ -12,6 +12,7 @@ from functools import partial
 
 import numpy as np
 
+from sherd.arrays import Floats
 from sherd.correspondence.labels.labeling import Problem
 from sherd.correspondence.labels.places import further_labelings
 from sherd.correspondence.labels.two_way import Both, TwoLabelings
@@ -27,7 +28,7 @@ from sherd.correspondence.shared.judgment import (
     shared_area,
 )
 from sherd.correspondence.shared.likeness import Likeness
-from sherd.correspondence.shared.relief import alike_in_form
+from sherd.correspondence.shared.relief import alike_in, form
 from sherd.correspondence.shared.two_way_placement import SharedPlacement, placed_together
 from sherd.correspondence.working_placement import Queries
 from sherd.results.advice import SURE
@@ -116,6 +117,11 @@ class _Judge:
         self.questions, self.labelings, self.seed = questions, labelings, seed
 
     @cached_property
+    def forms(self) -> Both[Floats]:
+        """Of the second shape and of the first."""
+        return form(self.questions[0].part.mesh), form(self.questions[1].part.mesh)
+
+    @cached_property
     def mirrored_ratio(self) -> float:
         """`first_ratio` of the mirror images."""
         energies = mirrored_energies(self.questions, self.seed)
@@ -145,7 +151,7 @@ class _Judge:
         return place_chance(
             answer.likeness,
             answer.is_open,
-            alike_in_form(self.questions, answer.placements),
+            alike_in(self.forms, self.questions, answer.placements),
             shared_area(self.questions, answer.placements),
             further=further,
         )

@@ -193,7 +193,7 @@ def place_chance(
     likeness, is_open
         As for :func:`overlap_chance`: the share of nodes whose places lead, and open border.
     form
-        How alike forms are, see :func:`sherd.correspondence.shared.relief.alike_in_form`.
+        How alike forms are, see :func:`sherd.correspondence.shared.relief.form`.
     area
         That is shared. A rank correlation of n independent places scatters by 1 / sqrt(n) where
         nothing is alike, so what `form` proves grows with the root of the area.

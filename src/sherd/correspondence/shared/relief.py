@@ -13,7 +13,6 @@ where a joint is bent, and hardly elsewhere.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 
 import numpy as np
 from scipy.stats import rankdata
@@ -27,7 +26,7 @@ from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.spectral.diffusion import diffused
 from sherd.spectral.operators import stiffness
 
-__all__ = ["alike_in_form", "alike_in_relief", "form", "relief"]
+__all__ = ["alike_in", "alike_in_relief", "form", "relief"]
 
 # In sqrt(area) of the larger piece. As fine as a right map is exact (0.01 to 0.02), and against
 # what is around as far as a limb is wide: that a limb is round is true of all limbs.
@@ -75,24 +74,27 @@ def _averaged(mesh: TriangleMesh, curvature: Floats, widths: tuple[float, float]
 def alike_in_relief(questions: Both[Question], placements: Both[SharedPlacement]) -> float:
     """How alike the reliefs of two pieces are where one lies on the other, in [-1, 1].
 
+    See :func:`alike_in`.
+    """
+    reliefs = (relief(questions[0].part.mesh), relief(questions[1].part.mesh))
+    return alike_in(reliefs, questions, placements)
+
+
+def alike_in(
+    fields: Both[Floats], questions: Both[Question], placements: Both[SharedPlacement]
+) -> float:
+    """How alike what is known of two shapes is where one lies on the other, in [-1, 1].
+
     Spearman's rank correlation over what is shared, by area, mean of both directions; 0 where
     nothing is shared. Ranks, since a nose or a hoof has more relief than all the rest.
+
+    Parameters
+    ----------
+    fields
+        (n,) and (m,), of the part's vertices of the one question and of the other.
+    questions, placements
+        Of both directions.
     """
-    return _alike_in(relief, questions, placements)
-
-
-def alike_in_form(questions: Both[Question], placements: Both[SharedPlacement]) -> float:
-    """The same of :func:`form`."""
-    return _alike_in(form, questions, placements)
-
-
-def _alike_in(
-    field: Callable[[TriangleMesh], Floats],
-    questions: Both[Question],
-    placements: Both[SharedPlacement],
-) -> float:
-    """How alike a field is there, mean of both directions."""
-    fields = (field(questions[0].part.mesh), field(questions[1].part.mesh))
     both = zip(questions, placements, fields, fields[::-1], strict=True)
     return float(np.mean([_alike(*each) for each in both]))
 
