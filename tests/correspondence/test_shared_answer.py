@@ -9,7 +9,9 @@ import pytest
 
 from sherd.correspondence.shared import answer as module
 from sherd.correspondence.shared.answer import SharedAnswer, shared_answer
+from sherd.correspondence.shared.judgment import FURTHER_CHANCE
 from sherd.correspondence.shared.likeness import Likeness
+from sherd.results.advice import SURE
 
 
 def labeling(name: str, *, chance: float, there: float) -> Any:
@@ -56,13 +58,21 @@ def test_a_sure_answer_is_asked_nothing_more(monkeypatch, asked) -> None:
 
 def test_another_place_is_believed_as_far_as_both_chances_say(monkeypatch, asked) -> None:
     first = labeling("first", chance=0.3, there=0.2)
-    other = labeling("other", chance=0.95, there=0.7)
-    worse = labeling("worse", chance=0.99, there=0.6)
+    other = labeling("other", chance=0.95, there=0.45)
+    worse = labeling("worse", chance=0.99, there=0.4)
     best = answered(monkeypatch, first, worse, other)
     assert sorted(asked) == ["first", "other", "worse"]
     assert best.placements is other
-    assert best.chance == 0.7
+    assert best.chance == 0.45
     assert answered(monkeypatch, first, labeling("dim", chance=0.4, there=0.9)).chance == 0.4
+
+
+def test_another_place_is_never_good(monkeypatch, asked) -> None:
+    """Who asks until the answer pleases has proved nothing."""
+    first = labeling("first", chance=0.3, there=0.2)
+    best = answered(monkeypatch, first, labeling("other", chance=0.99, there=0.99))
+    assert best.chance == FURTHER_CHANCE < SURE
+    assert asked == ["first", "other"]
 
 
 def test_what_saves_most_stays_as_doubtful_as_it_was(monkeypatch, asked) -> None:

@@ -19,6 +19,7 @@ from sherd.correspondence.labels.two_way import Both, TwoLabelings
 from sherd.correspondence.plausibility import mirrored_energies
 from sherd.correspondence.question import Question
 from sherd.correspondence.shared.judgment import (
+    FURTHER_CHANCE,
     likeness_of_both,
     mirror_is_better,
     mirror_says_something,
@@ -71,6 +72,8 @@ def shared_answer(
 ) -> SharedAnswer:
     """Lay both shapes on each other by the labeling that saves most, or where they fit better.
 
+    An answer at another place is as likely as both chances say, and at most `FURTHER_CHANCE`.
+
     Parameters
     ----------
     questions
@@ -97,7 +100,7 @@ def shared_answer(
     if surest == 0:
         return first
     best = answers[surest]
-    return replace(best, chance=min(best.chance, there[surest]))
+    return replace(best, chance=min(best.chance, there[surest], FURTHER_CHANCE))
 
 
 class _Judge:
