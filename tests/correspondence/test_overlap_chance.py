@@ -6,11 +6,11 @@ from types import SimpleNamespace
 
 import pytest
 
-from sherd.correspondence.shared import judgment
 from sherd.correspondence.shared.judgment import (
     mirror_is_better,
     mirror_says_something,
     overlap_chance,
+    place_chance,
 )
 from sherd.correspondence.shared.likeness import Likeness
 
@@ -19,17 +19,11 @@ WELL = {
 }  # fmt: skip
 
 
-@pytest.fixture(autouse=True)
-def _as_told(monkeypatch) -> None:
-    monkeypatch.setattr(judgment, "open_seam", lambda _, trip, shared: trip.open)
-
-
 def chance(**changes: float) -> float:
     """Of an answer that is right, but for the changes."""
     told = SimpleNamespace(**{**WELL, **changes}, first_ratio=0.5)
     likeness = Likeness(0.02, told.leading, told.handed)
-    place = SimpleNamespace(trip=told, shared=None)
-    return overlap_chance(told, told.mirrored, likeness, (None, None), (place, place))
+    return overlap_chance(told, told.mirrored, likeness, told.open)
 
 
 def test_what_agrees_is_alike_and_misses_nothing_is_sure() -> None:
@@ -60,7 +54,8 @@ def test_what_is_right_and_lacks_half_of_what_is_shared_is_doubted() -> None:
 
 def test_where_too_little_is_shared_to_be_judged_it_is_not_believed() -> None:
     labelings = SimpleNamespace(agreement=1.0, lack=0.0, first_ratio=0.2)
-    assert overlap_chance(labelings, 0.9, None, (None, None), (None, None)) < 0.01
+    assert overlap_chance(labelings, 0.9, None, 0.0) < 0.01
+    assert place_chance(None, 0.0, 0.9, 0.5, further=False) < 0.01
 
 
 def test_a_mirror_image_that_is_better_by_accident_says_nothing() -> None:
@@ -93,3 +88,26 @@ def test_a_chance_is_never_certain() -> None:
     }
     assert 0.0 < chance(**worst) < 0.01
     assert 0.99 < chance(**best) < 1.0
+
+
+def place(**changes: float) -> float:
+    """Of an answer at the right place, but for the changes."""
+    told = {"leading": 0.75, "open": 0.3, "form": 0.6, "area": 0.4, "further": False, **changes}
+    likeness = Likeness(0.02, told["leading"], 0.6)
+    return place_chance(
+        likeness, told["open"], told["form"], told["area"], further=bool(told["further"])
+    )
+
+
+@pytest.mark.parametrize(
+    "worse",
+    [{"leading": 0.5}, {"open": 1.5}, {"form": 0.2}, {"area": 0.1}, {"further": True}],
+)
+def test_each_thing_that_is_worse_makes_a_place_less_likely(worse: dict[str, float]) -> None:
+    assert place() > 0.65
+    assert place(**worse) < place() - 0.05
+
+
+def test_form_proves_more_on_a_large_area_than_on_a_small_one() -> None:
+    """Half as much on four times the area proves as much."""
+    assert place(form=0.3, area=0.4) == pytest.approx(place(form=0.6, area=0.1))

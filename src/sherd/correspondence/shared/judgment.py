@@ -27,11 +27,15 @@ from sherd.results.overlap_result import StrainCurve
 from sherd.threads import side_by_side
 
 __all__ = [
+    "FURTHER_CHANCE",
     "MIRROR_CHANCE",
     "likeness_of_both",
     "mirror_is_better",
     "mirror_says_something",
+    "most_open",
     "overlap_chance",
+    "place_chance",
+    "shared_area",
     "shared_confidence",
     "strain_curve",
     "unfollowed_pairs",
@@ -57,6 +61,19 @@ CHANCE_COEFFICIENTS = (-15.1, 7.1, -29.4, -1.3, 13.8, 7.8, 30.0)
 # places the other does not confirm. Of 20 answers that agree on less than this one was right (SMAL,
 # views, cuts of animals); a fox on a lion of which half is left out is otherwise told by nothing.
 CONFIRMED, UNCONFIRMED_CHANCE = 2.0 / 3.0, 0.5
+
+# A logistic regression over 94 answers to 27 pairs: every second pair of SMAL, six single views,
+# five pairs of cuts of a generated and of animated animals; of each pair what saves most, further
+# places, and where the true labels lead. 25 lie right (an error below 0.06), 69 wrong (above 0.1).
+# The mean logarithm of what is said of a pair that is left out is -0.18, on the other half of SMAL,
+# in no fit, -0.15; with what CHANCE_COEFFICIENTS ask for instead, fitted to the same answers, -0.21
+# and -0.34.
+PLACE_COEFFICIENTS = (-5.7, -3.5, 5.7, 12.4, -1.8)
+
+# A further place is one of up to five answers to one question, so it is never called good: of nine
+# that were believed (SMAL and views) four lie right, and of two views of two men half is left out
+# (an error of 0.15) though all else speaks for them (0.82).
+FURTHER_CHANCE = 0.5
 
 # By as much a mirror image may be better by accident: of 34 right answers 6 are above.
 MIRROR_ACCIDENT = 0.03
@@ -116,12 +133,28 @@ def likeness_of_both(
     )
 
 
+def most_open(questions: Both[Question], placements: Both[SharedPlacement]) -> float:
+    """How much of the border of what is shared is open, on the shape where it is more."""
+    return max(
+        open_seam(question, place.trip, place.shared)
+        for question, place in zip(questions, placements, strict=True)
+    )
+
+
+def shared_area(questions: Both[Question], placements: Both[SharedPlacement]) -> float:
+    """Area that is shared, mean of both shapes."""
+    areas = [
+        float(question.part.mesh.vertex_areas @ place.shared)
+        for question, place in zip(questions, placements, strict=True)
+    ]
+    return 0.5 * (areas[0] + areas[1])
+
+
 def overlap_chance(
     labelings: TwoLabelings,
     mirrored_ratio: float,
     likeness: Likeness | None,
-    questions: Both[Question],
-    placements: Both[SharedPlacement],
+    is_open: float,
 ) -> float:
     """The chance that an overlap is right: `1 / (1 + exp(-features @ coefficients))`.
 
@@ -138,10 +171,6 @@ def overlap_chance(
     """
     if likeness is None:
         return LEAST
-    is_open = max(
-        open_seam(question, place.trip, place.shared)
-        for question, place in zip(questions, placements, strict=True)
-    )
     features = np.array(
         [
             1.0,
@@ -158,6 +187,30 @@ def overlap_chance(
     if mirror_is_better(labelings.first_ratio, mirrored_ratio):
         most = MIRROR_CHANCE
     return float(np.clip(raw, LEAST, most))
+
+
+def place_chance(
+    likeness: Likeness | None, is_open: float, form: float, area: float, *, further: bool
+) -> float:
+    """The chance that an answer lies at the right place: which of several to believe.
+
+    Parameters
+    ----------
+    likeness, is_open
+        As for :func:`overlap_chance`: the share of nodes whose places lead, and open border.
+    form
+        How alike forms are, see :func:`sherd.correspondence.shared.relief.form`.
+    area
+        That is shared. A rank correlation of n independent places scatters by 1 / sqrt(n) where
+        nothing is alike, so what `form` proves grows with the root of the area.
+    further
+        Whether what saves most lies elsewhere.
+    """
+    if likeness is None:
+        return LEAST
+    features = np.array([1.0, is_open, likeness.leading, form * np.sqrt(area), float(further)])
+    raw = 1.0 / (1.0 + np.exp(-features @ np.array(PLACE_COEFFICIENTS)))
+    return float(np.clip(raw, LEAST, MOST))
 
 
 def mirror_says_something(likeness: Likeness | None) -> bool:

@@ -17,8 +17,8 @@ from sherd.correspondence.labels.two_way import Both, TwoLabelings
 from sherd.correspondence.placements import anchor_problem
 from sherd.correspondence.question import Question
 from sherd.correspondence.shared.judgment import MIRROR_CHANCE
+from sherd.correspondence.shared.relief import alike_in_relief
 from sherd.correspondence.shared.two_way_placement import SharedPlacement
-from sherd.puzzle.growing.relief import alike_in_relief
 from sherd.results.advice import SURE
 from sherd.surface.transformed import mirrored, sampled_within
 

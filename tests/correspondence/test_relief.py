@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
+from sherd.correspondence.shared.relief import alike_in, alike_in_relief, form, relief
 from sherd.mesh.surface_points import SurfacePoints, closest_points, points_at_vertices
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.puzzle.growing.join_chance import UNLIKE
-from sherd.puzzle.growing.relief import alike_in_relief, relief
 from sherd.shapes import creature
 
 
@@ -42,8 +43,18 @@ def laid(
 HALF_TURN = np.array([1.0, -1.0, -1.0])
 
 
+def alike_in_form(questions: Any, placements: Any) -> float:
+    forms = (form(questions[0].part.mesh), form(questions[1].part.mesh))
+    return alike_in(forms, questions, placements)
+
+
 def likeness(
-    first: TriangleMesh, second: TriangleMesh, *, turned: bool = False, shared: bool = True
+    first: TriangleMesh,
+    second: TriangleMesh,
+    *,
+    turned: bool = False,
+    shared: bool = True,
+    alike: Callable[..., float] = alike_in_relief,
 ) -> float:
     """Of two poses of one mesh, each in its place on the other or turned about the long axis."""
     both = []
@@ -53,7 +64,7 @@ def likeness(
         places = closest_points(there, (there.vertices - center) * turn + center)
         both.append(laid(here, there, places, shared=shared))
     questions, placements = zip(*both, strict=True)
-    return alike_in_relief(questions, placements)
+    return alike(questions, placements)
 
 
 def test_a_pose_keeps_its_relief_and_another_place_has_another_one(poses) -> None:
@@ -68,8 +79,23 @@ def test_a_mirror_image_has_the_same_relief(poses) -> None:
     assert likeness(mesh, mesh) == pytest.approx(1.0)
 
 
+def test_form_is_kept_by_a_pose_and_lost_elsewhere(poses) -> None:
+    there = likeness(*poses, alike=alike_in_form)
+    assert there > 0.6
+    assert likeness(*poses, turned=True, alike=alike_in_form) < 0.5 * there
+
+
+def test_form_is_positive_where_a_surface_bulges_and_knows_no_side(poses) -> None:
+    mesh = poses[0]
+    turned = TriangleMesh(mesh.vertices * [-1.0, 1.0, 1.0], mesh.faces[:, ::-1])
+    np.testing.assert_allclose(form(turned), form(mesh), atol=1e-6)
+    tip = np.linalg.norm(mesh.vertices - mesh.vertices.mean(axis=0), axis=1).argmax()
+    assert form(mesh)[tip] > 0
+
+
 def test_what_shares_nothing_is_not_alike(poses) -> None:
     assert likeness(*poses, shared=False) == 0.0
+    assert likeness(*poses, shared=False, alike=alike_in_form) == 0.0
 
 
 def test_one_vertex_that_is_shared_says_nothing(poses) -> None:

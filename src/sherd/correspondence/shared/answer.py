@@ -1,0 +1,160 @@
+"""What two incomplete shapes share: the labeling that saves most, or the surest of several places.
+
+What saves most is not always right. Half of a body laid on a third that is shared may save more
+than that third does, and two species are so little alike that wrong places save as much as right
+ones. So where the first answer is not sure, answers at other places are laid and judged as well.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+
+from sherd.arrays import Floats
+from sherd.correspondence.labels.labeling import Problem
+from sherd.correspondence.labels.places import further_labelings
+from sherd.correspondence.labels.two_way import Both, TwoLabelings
+from sherd.correspondence.plausibility import mirrored_energies
+from sherd.correspondence.question import Question
+from sherd.correspondence.shared.judgment import (
+    FURTHER_CHANCE,
+    likeness_of_both,
+    mirror_is_better,
+    mirror_says_something,
+    most_open,
+    overlap_chance,
+    place_chance,
+    shared_area,
+)
+from sherd.correspondence.shared.likeness import Likeness
+from sherd.correspondence.shared.relief import alike_in, form
+from sherd.correspondence.shared.two_way_placement import SharedPlacement, placed_together
+from sherd.correspondence.working_placement import Queries
+from sherd.results.advice import SURE
+from sherd.threads import cached_property, side_by_side
+
+__all__ = ["SharedAnswer", "shared_answer"]
+
+
+@dataclass(frozen=True, eq=False)
+class SharedAnswer:
+    """Both shapes laid on each other, and how likely that is right.
+
+    Attributes
+    ----------
+    placements
+        Of the second shape on the first, and of the first on the second.
+    likeness, is_open
+        What is seen of what is shared, and how much of its border lies inside both shapes.
+    chance
+        That the answer as a whole is right.
+    twin
+        Whether the mirror image of one shape is more alike the other, at the same place too.
+    """
+
+    placements: Both[SharedPlacement]
+    likeness: Likeness | None
+    is_open: float
+    chance: float
+    twin: bool
+
+
+def shared_answer(
+    questions: Both[Question],
+    problems: Both[Problem],
+    labelings: TwoLabelings,
+    queries: Both[Queries],
+    *,
+    strain: float,
+    seed: int,
+) -> SharedAnswer:
+    """Lay both shapes on each other by the labeling that saves most, or where they fit better.
+
+    An answer at another place is as likely as both chances say, and at most `FURTHER_CHANCE`.
+
+    Parameters
+    ----------
+    questions
+        The second shape on the first, and the first on the second.
+    problems, labelings
+        What was labeled, without a price, and what saves most.
+    queries
+        Vertices of the second and of the first shape that look for similar places.
+    strain
+        What is accepted as shared.
+    seed
+        Of all random choices.
+    """
+    laid = partial(placed_together, questions, queries=queries, strain=strain)
+    judge = _Judge(questions, labelings, seed)
+    first = judge.answer(labelings, laid(labelings))
+    if first.chance >= SURE:
+        return first
+    others = further_labelings(*problems, labelings)
+    places = side_by_side(partial(laid, each) for each in others)
+    answers = [first, *(judge.answer(*each) for each in zip(others, places, strict=True))]
+    there = [judge.place_chance(each, further=each is not first) for each in answers]
+    surest = int(np.argmax(there))
+    if surest == 0:
+        return first
+    best = answers[surest]
+    return replace(best, chance=min(best.chance, there[surest], FURTHER_CHANCE))
+
+
+class _Judge:
+    """Says how likely answers to one question are.
+
+    Parameters
+    ----------
+    questions
+        The second shape on the first, and the first on the second.
+    labelings
+        What saves most.
+    seed
+        Of all random choices.
+    """
+
+    def __init__(self, questions: Both[Question], labelings: TwoLabelings, seed: int) -> None:
+        self.questions, self.labelings, self.seed = questions, labelings, seed
+
+    @cached_property
+    def forms(self) -> Both[Floats]:
+        """Of the second shape and of the first."""
+        return form(self.questions[0].part.mesh), form(self.questions[1].part.mesh)
+
+    @cached_property
+    def mirrored_ratio(self) -> float:
+        """`first_ratio` of the mirror images."""
+        energies = mirrored_energies(self.questions, self.seed)
+        chances = self.labelings.chance
+        return min(
+            energy / max(by_chance, 1e-12)
+            for energy, by_chance in zip(energies, chances, strict=True)
+        )
+
+    def answer(self, labelings: TwoLabelings, placements: Both[SharedPlacement]) -> SharedAnswer:
+        """The answer that was laid by labelings, and how likely it is."""
+        likeness = likeness_of_both(self.questions, placements)
+        mirrored = labelings.first_ratio
+        if mirror_says_something(likeness):
+            mirrored = self.mirrored_ratio
+        is_open = most_open(self.questions, placements)
+        return SharedAnswer(
+            placements,
+            likeness,
+            is_open,
+            chance=overlap_chance(labelings, mirrored, likeness, is_open),
+            twin=mirror_is_better(labelings.first_ratio, mirrored),
+        )
+
+    def place_chance(self, answer: SharedAnswer, *, further: bool) -> float:
+        """How likely an answer is beside others."""
+        return place_chance(
+            answer.likeness,
+            answer.is_open,
+            alike_in(self.forms, self.questions, answer.placements),
+            shared_area(self.questions, answer.placements),
+            further=further,
+        )

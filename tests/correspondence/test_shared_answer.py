@@ -1,0 +1,85 @@
+"""Which of several places two shapes are laid at, and what is said of it."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from sherd.correspondence.shared import answer as module
+from sherd.correspondence.shared.answer import SharedAnswer, shared_answer
+from sherd.correspondence.shared.judgment import FURTHER_CHANCE
+from sherd.correspondence.shared.likeness import Likeness
+from sherd.results.advice import SURE
+
+
+def labeling(name: str, *, chance: float, there: float) -> Any:
+    """What saves most or lies elsewhere, with its chances, as an answer and beside others."""
+    return SimpleNamespace(name=name, own=chance, there=there, first_ratio=0.6, chance=(20.0, 20.0))
+
+
+@pytest.fixture
+def asked(monkeypatch) -> list[str]:
+    """Answers are labelings, which know their chances; the names of those that were laid."""
+    laid: list[str] = []
+
+    def lay(_: Any, each: Any, **__: Any) -> Any:
+        laid.append(each.name)
+        return each
+
+    monkeypatch.setattr(module, "placed_together", lay)
+    monkeypatch.setattr(module, "likeness_of_both", lambda *_: Likeness(0.02, 0.8, 0.8))
+    monkeypatch.setattr(module, "most_open", lambda *_: 0.0)
+    monkeypatch.setattr(module, "overlap_chance", lambda each, *_: each.own)
+    monkeypatch.setattr(module, "form", lambda _: None)
+    monkeypatch.setattr(module, "alike_in", lambda _, __, each: each.there)
+    monkeypatch.setattr(module, "shared_area", lambda *_: 1.0)
+    monkeypatch.setattr(module, "place_chance", lambda _, __, form, *___, further: form)
+    return laid
+
+
+def answered(monkeypatch: Any, first: Any, *others: Any) -> SharedAnswer:
+    monkeypatch.setattr(module, "further_labelings", lambda *_: list(others))
+    question = SimpleNamespace(part=SimpleNamespace(mesh=None))
+    nothing: Any = (None, None)
+    return shared_answer((question, question), nothing, first, nothing, strain=0.3, seed=0)
+
+
+def test_a_sure_answer_is_asked_nothing_more(monkeypatch, asked) -> None:
+    best = answered(
+        monkeypatch,
+        labeling("first", chance=0.9, there=0.1),
+        labeling("other", chance=0.95, there=0.9),
+    )
+    assert asked == ["first"]
+    assert best.chance == 0.9
+
+
+def test_another_place_is_believed_as_far_as_both_chances_say(monkeypatch, asked) -> None:
+    first = labeling("first", chance=0.3, there=0.2)
+    other = labeling("other", chance=0.95, there=0.45)
+    worse = labeling("worse", chance=0.99, there=0.4)
+    best = answered(monkeypatch, first, worse, other)
+    assert sorted(asked) == ["first", "other", "worse"]
+    assert best.placements is other
+    assert best.chance == 0.45
+    assert answered(monkeypatch, first, labeling("dim", chance=0.4, there=0.9)).chance == 0.4
+
+
+def test_another_place_is_never_good(monkeypatch, asked) -> None:
+    """Who asks until the answer pleases has proved nothing."""
+    first = labeling("first", chance=0.3, there=0.2)
+    best = answered(monkeypatch, first, labeling("other", chance=0.99, there=0.99))
+    assert best.chance == FURTHER_CHANCE < SURE
+    assert asked == ["first", "other"]
+
+
+def test_what_saves_most_stays_as_doubtful_as_it_was(monkeypatch, asked) -> None:
+    """That others are less likely does not make it right."""
+    first = labeling("first", chance=0.3, there=0.9)
+    best = answered(monkeypatch, first, labeling("other", chance=0.99, there=0.5))
+    assert best.placements is first
+    assert best.chance == 0.3
+    assert answered(monkeypatch, first).chance == 0.3
+    assert len(asked) == 3
