@@ -26,7 +26,7 @@ def bumpy_tube() -> TriangleMesh:
 def test_what_lies_nowhere_else_is_answered_as_it_is(monkeypatch) -> None:
     """All further places may turn out to be the one that is known."""
     monkeypatch.setattr(module, "further_labelings", lambda *_: [])
-    full = creature(2000)
+    full = creature(5000)
     front = cut_by_ball(whole(full, full), landmarks(full)["nose"], 0.85)
     tube = bumpy_tube()
     tube = tube.with_vertices(tube.vertices * np.sqrt(front.mesh.area / tube.area))

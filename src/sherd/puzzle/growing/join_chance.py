@@ -16,7 +16,7 @@ from sherd.correspondence.labels.anchors import first_labeling, proposed_anchors
 from sherd.correspondence.labels.two_way import Both, TwoLabelings
 from sherd.correspondence.placements import anchor_problem
 from sherd.correspondence.question import Question
-from sherd.correspondence.shared.judgment import MIRROR_CHANCE
+from sherd.correspondence.shared.judgment import MIRROR_CHANCE, likeness_of_both
 from sherd.correspondence.shared.two_way_placement import SharedPlacement
 from sherd.puzzle.growing.relief import alike_in_relief
 from sherd.results.advice import SURE
@@ -38,8 +38,12 @@ MIRROR_ROUNDS = 2
 TURNED = 0.22
 # What strain counts as where nothing is shared: more than any right answer has.
 UNSHARED_STRAIN = 0.3
+# No place leads, and nothing says which hand it is, where too little is shared to be seen.
+UNSEEN = (0.0, 0.5)
+# And of right answers, on average.
+RIGHTLY_SEEN = (0.92, 0.75)
 # Which of the features these are.
-HANDEDNESS, RELIEF = 4, 6
+HANDEDNESS, LEADING, RELIEF = 4, 6, 8
 # Between the reliefs of wrong places and of right ones, and how wide the doubt is. On the generated
 # animal right ones are alike by 0.5 to 0.97, a leg on another one, where all else seems right, by
 # 0.0; on two animated animals ten right ones by 0.3 to 0.6, six of seven foreign ones by 0.2 at
@@ -53,7 +57,7 @@ UNLIKE, UNLIKE_STEP = 0.25, 0.02
 # left out in turn 10 and 0.59. Of 25 questions of a woman, who is in no fit, none of 8 right ones
 # is below 0.65, and of 17 wrong ones two are clearly above, an arm on the place of the other arm
 # (0.86). Right is an error below 0.06; what is between that and 0.1 counts as neither.
-COEFFICIENTS = (0.6, 1.6, 0.8, -6.6, 5.5, -17.7)
+COEFFICIENTS = (-9.8, 1.6, 0.8, -6.6, 5.5, -17.7, 7.7, 5.2)
 
 
 def join_chance(features: Floats) -> float:
@@ -69,9 +73,11 @@ def join_chance(features: Floats) -> float:
 def fits_a_twin(features: Floats) -> bool:
     """Whether what is shared is laid on its twin: all but its side is right.
 
-    The mirror image clearly fits better, or it would be sure if reliefs were alike.
+    The mirror image clearly fits better, or it would be sure if reliefs were alike and what is seen
+    inside were as of right answers.
     """
-    unlike = _but_for_relief(features) >= SURE and features[RELIEF] < UNLIKE
+    rightly_seen = np.concatenate([features[:LEADING], RIGHTLY_SEEN, features[RELIEF:]])
+    unlike = _but_for_relief(rightly_seen) >= SURE and features[RELIEF] < UNLIKE
     return _fits_mirrored(features) or bool(unlike)
 
 
@@ -93,16 +99,19 @@ def join_features(
     placements: Both[SharedPlacement],
     seed: int,
 ) -> Floats:
-    """Features (7,) of what two pieces share.
+    """Features (9,) of what two pieces share.
 
     One; what both directions agree on, and what that is worth, of the labelings; the share of the
     rim of what is shared that lies inside both pieces, at least UNTOLD if one is within the other;
-    the logarithm of the energy of mirror images over that of what is shared itself; strain;
-    how alike reliefs are.
+    the logarithm of the energy of mirror images over that of what is shared itself; strain; of the
+    nodes inside, seeing only what is shared, the share whose places lead and the share whose places
+    are more alike to them than to their mirror images; how alike reliefs are.
     """
     if not all(place.shared.any() for place in placements):
         worth = float(np.clip(labelings.worth, -1.0, 1.0))
-        return np.array([1.0, labelings.agreement, worth, 0.0, 0.0, UNSHARED_STRAIN, 0.0])
+        return np.array([1.0, labelings.agreement, worth, 0.0, 0.0, UNSHARED_STRAIN, *UNSEEN, 0.0])
+    likeness = likeness_of_both(questions, placements)
+    seen = UNSEEN if likeness is None else (likeness.leading, likeness.handed)
     both = tuple(zip(questions, placements, strict=True))
     inside = np.concatenate([_rim_inside(*each) for each in both])
     rim = float(inside.mean()) if len(inside) else 0.0
@@ -116,6 +125,7 @@ def join_features(
             rim,
             _handedness(labelings, questions, placements, seed),
             float(np.mean([_mean(each, np.minimum(each[1].strain, 1.0)) for each in both])),
+            *seen,
             alike_in_relief(questions, placements),
         ]
     )

@@ -117,16 +117,16 @@ def meeting(
         replace(questions[1], pins=NO_PINS),
     )
     queries = queries_both_ways(questions, seed)
-
-    def answer(found: TwoLabelings) -> Meeting:
-        return _answer(questions, queries, seed, followed(problems, found))
-
-    met = answer(labelings)
+    answer = partial(_answer, questions, queries, seed)
+    first = followed(problems, labelings)
+    met = answer(first)
     if met.chance >= SURE:
         return met
-    further = further_labelings(*problems, labelings)
+    tried = [followed(problems, each) for each in further_labelings(*problems, labelings)]
+    if first is not labelings:
+        tried.append(labelings)
     # of two that are as unlikely the one that saves most
-    return max([met, *side_by_side(partial(answer, each) for each in further)], key=_chance)
+    return max([met, *side_by_side(partial(answer, each) for each in tried)], key=_chance)
 
 
 def _answer(
