@@ -118,12 +118,12 @@ def meeting(
     )
     queries = queries_both_ways(questions, seed)
     answer = partial(_answer, questions, queries, seed)
-    first = followed(problems, labelings)
-    met = answer(first)
+    led = followed(problems, labelings)
+    met = answer(led)
     if met.chance >= SURE:
         return met
     tried = [followed(problems, each) for each in further_labelings(*problems, labelings)]
-    if first is not labelings:
+    if led is not labelings:
         tried.append(labelings)
     # of two that are as unlikely the one that saves most
     return max([met, *side_by_side(partial(answer, each) for each in tried)], key=_chance)
