@@ -1,7 +1,8 @@
 """Further places of one shape on another, besides the one where most is saved.
 
 What saves most is not always right: half of a body laid on a sixth that is shared may save more
-than that sixth. Who has other evidence, of the surfaces themselves, can choose among several.
+than that sixth. Who has other evidence, of the surfaces themselves, can choose among several. And
+where a place was found in one direction and half lost in the other, the other one follows.
 """
 
 from __future__ import annotations

@@ -1,7 +1,8 @@
 """The chance that two pieces without a whole belong together, and are laid on each other rightly.
 
 What belongs together was cut from one whole. So what two pieces share ends where one of them does,
-it bends but does not stretch, it is not its mirror image, and it has the same relief.
+it bends but does not stretch, it is not its mirror image, and it has the same relief; and who sees
+nothing else finds no better place for it.
 """
 
 from __future__ import annotations
