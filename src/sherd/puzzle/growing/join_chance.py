@@ -55,10 +55,10 @@ UNLIKE, UNLIKE_STEP = 0.25, 0.02
 # neither.
 COEFFICIENTS = (0.6, 1.6, 0.8, -6.6, 5.5, -17.7)
 # Between the shares of places that lead where nodes see only what is shared: two thirds of another
-# person on three women have 0.71, 0.71 and 0.74, with a chance of 0.61 and 0.76 by all else, and 48
-# of 49 right answers of people, a wolf, a cat and a horse 0.80 and more (one that is 0.06 off has
-# 0.70). Three steps to either. More of it proves nothing: of a twentieth of another person that
-# lies wholly within the place it was laid on all places lead.
+# person have 0.71 to 0.74 on two women, with a chance of 0.56 to 0.76 by all else, and 52 of 53
+# right answers of people, a wolf, a cat and a horse 0.80 and more (one that is 0.06 off has 0.70).
+# Three steps to either. More of it proves nothing: of a twentieth of another person that lies
+# wholly within the place it was laid on all places lead.
 LED, LED_STEP = 0.77, 0.01
 
 
