@@ -57,8 +57,8 @@ COEFFICIENTS = (0.6, 1.6, 0.8, -6.6, 5.5, -17.7)
 # Between the shares of places that lead where nodes see only what is shared: two thirds of another
 # person have 0.71 to 0.74 on two women, with a chance of 0.56 to 0.75 by all else (0.78 where that
 # is 0.30), and 52 of 53 right answers of people, a wolf, a cat and a horse 0.80 and more (one that
-# is 0.06 off has 0.70). Three steps to either. More of it proves nothing: of a twentieth of another person that lies
-# wholly within the place it was laid on all places lead.
+# is 0.06 off has 0.70). Three steps to either. More of it proves nothing: of a twentieth of another
+# person that lies wholly within the place it was laid on all places lead.
 LED, LED_STEP = 0.77, 0.01
 
 
