@@ -7,10 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from sherd.correspondence.labels.consistent import PLACE_WIDTH, same_place
-from sherd.correspondence.labels.labeling import Problem, labeling_problem
+from sherd.correspondence.labels.consistent import PLACE_WIDTH, node_areas, same_place
+from sherd.correspondence.labels.inverse import inverse_labeling
+from sherd.correspondence.labels.labeling import Labeling, Problem, labeling_problem
 from sherd.correspondence.labels.local_groups import CANDIDATES, local_groups
-from sherd.correspondence.labels.places import further_labelings
+from sherd.correspondence.labels.places import UNEQUAL, followed, further_labelings
 from sherd.correspondence.labels.two_way import TwoLabelings, two_way_labelings
 
 SHIFTS = 16
@@ -109,3 +110,53 @@ def alike(problems: tuple[Problem, Problem], one: TwoLabelings, other: TwoLabeli
         (other.forward_agrees, other.backward_agrees),
     )
     return same_place(problems, found, kept)
+
+
+def kept_areas(problems: tuple[Problem, Problem], found: TwoLabelings) -> list[float]:
+    kept = (found.forward_agrees, found.backward_agrees)
+    return [float(node_areas(each)[own].sum()) for each, own in zip(problems, kept, strict=True)]
+
+
+def all_right(planted, there, back) -> TwoLabelings:
+    """Both directions where they belong, with the first one's rotations."""
+    forward = Labeling(
+        planted.labels,
+        planted.rotations,
+        np.zeros(len(planted.labels)),
+        0.0,
+        np.ones(len(planted.labels), dtype=bool),
+    )
+    backward = inverse_labeling(back, forward)
+    return TwoLabelings(
+        forward, backward, forward.placed, backward.placed, (20.0, 20.0), 1.0, 0.5, 0.0, 0.5
+    )
+
+
+def test_a_direction_that_keeps_far_less_follows_the_other_one(planted, there, back) -> None:
+    right = all_right(planted, there, back)
+    few = np.flatnonzero(right.backward_agrees)[:3]
+    lost = replace(
+        right,
+        backward=replace(
+            right.backward, labels=np.roll(right.backward.labels, 1), placed=right.backward.placed
+        ),
+        backward_agrees=np.isin(np.arange(len(right.backward.labels)), few),
+    )
+    found = followed((there, back), lost)
+    areas = kept_areas((there, back), found)
+    assert min(areas) > 0.8 * max(areas)
+    others = found.backward_agrees.copy()
+    others[few] = False
+    assert np.array_equal(found.backward.labels[others], right.backward.labels[others])
+    # what agreed stays as it was
+    assert np.array_equal(found.backward.labels[few], lost.backward.labels[few])
+    assert found.forward is lost.forward
+
+
+def test_directions_that_keep_about_as_much_stay_as_they_are(planted, there, back) -> None:
+    right = all_right(planted, there, back)
+    kept = np.flatnonzero(right.backward_agrees)
+    some = np.isin(np.arange(len(right.backward.labels)), kept[: int(0.8 * len(kept))])
+    assert kept_areas((there, back), replace(right, backward_agrees=some))[1] > UNEQUAL
+    unchanged = replace(right, backward_agrees=some)
+    assert followed((there, back), unchanged) is unchanged

@@ -9,8 +9,10 @@ from sherd.correspondence.shared.judgment import MIRROR_CHANCE
 from sherd.puzzle.growing.join_chance import fits_a_twin, join_chance
 from sherd.results.advice import SURE
 
-# One, agreement, worth, rim inside, handedness, strain, relief.
-RIGHT = np.array([1.0, 0.72, 0.3, 0.0, 0.57, 0.07, 0.4])
+# One, agreement, worth, rim inside, handedness, strain, leading, relief.
+RIGHT = np.array([1.0, 0.72, 0.3, 0.0, 0.57, 0.07, 0.95, 0.4])
+# Two thirds of another person, laid on a woman.
+ANOTHER = np.array([1.0, 0.93, 0.29, 0.0, 0.19, 0.16, 0.74, 0.46])
 
 
 def test_what_agrees_and_ends_where_a_piece_ends_is_sure() -> None:
@@ -18,7 +20,8 @@ def test_what_agrees_and_ends_where_a_piece_ends_is_sure() -> None:
 
 
 @pytest.mark.parametrize(
-    ("feature", "value"), [(1, 0.0), (2, -1.0), (3, 0.6), (4, -0.4), (5, 0.2), (6, 0.2)]
+    ("feature", "value"),
+    [(1, 0.0), (2, -1.0), (3, 0.6), (4, -0.4), (5, 0.2), (6, 0.7), (7, 0.2)],
 )
 def test_each_thing_that_speaks_against_it_counts(feature: int, value: float) -> None:
     worse = RIGHT.copy()
@@ -26,13 +29,28 @@ def test_each_thing_that_speaks_against_it_counts(feature: int, value: float) ->
     assert join_chance(worse) < join_chance(RIGHT)
 
 
-@pytest.mark.parametrize(("feature", "value"), [(3, 0.9), (5, 0.35), (6, 0.15)])
-def test_a_rim_inside_both_stretched_skin_or_another_relief_alone_refuses(
+@pytest.mark.parametrize(("feature", "value"), [(3, 0.9), (5, 0.35), (6, 0.7), (7, 0.15)])
+def test_a_rim_inside_both_stretched_skin_other_places_or_another_relief_alone_refuse(
     feature: int, value: float
 ) -> None:
     worse = RIGHT.copy()
     worse[feature] = value
     assert join_chance(worse) < SURE
+
+
+def test_another_individual_is_not_nearly_sure() -> None:
+    """All but what is seen inside speaks for it as much as for one's own skin in another pose."""
+    assert join_chance(ANOTHER) < 0.2
+    own = ANOTHER.copy()
+    own[6] = RIGHT[6]
+    assert join_chance(own) > 0.5
+
+
+def test_what_is_seen_inside_proves_nothing() -> None:
+    """All places lead where a small part of something else lies within one of many."""
+    best = RIGHT.copy()
+    best[6] = 1.0
+    assert join_chance(best) == pytest.approx(join_chance(RIGHT), abs=1e-3)
 
 
 def test_what_fits_better_mirrored_is_never_sure() -> None:
@@ -43,7 +61,7 @@ def test_what_fits_better_mirrored_is_never_sure() -> None:
 
 def test_what_would_be_sure_but_for_its_relief_lies_on_a_twin() -> None:
     turned = RIGHT.copy()
-    turned[6] = 0.1
+    turned[7] = 0.1
     assert fits_a_twin(turned)
     assert not fits_a_twin(RIGHT)
     foreign = turned.copy()

@@ -14,7 +14,7 @@ from functools import partial
 import numpy as np
 
 from sherd.arrays import Bools, Ints
-from sherd.correspondence.labels.places import further_labelings
+from sherd.correspondence.labels.places import followed, further_labelings
 from sherd.correspondence.labels.two_way import Both, TwoLabelings
 from sherd.correspondence.question import NO_PINS, Question
 from sherd.correspondence.shared.two_way_placement import SharedPlacement, placed_together
@@ -118,12 +118,15 @@ def meeting(
     )
     queries = queries_both_ways(questions, seed)
     answer = partial(_answer, questions, queries, seed)
-    met = answer(labelings)
+    led = followed(problems, labelings)
+    met = answer(led)
     if met.chance >= SURE:
         return met
-    further = further_labelings(*problems, labelings)
+    tried = [followed(problems, each) for each in further_labelings(*problems, labelings)]
+    if led is not labelings:
+        tried.append(labelings)
     # of two that are as unlikely the one that saves most
-    return max(met, *side_by_side(partial(answer, each) for each in further), key=_chance)
+    return max([met, *side_by_side(partial(answer, each) for each in tried)], key=_chance)
 
 
 def _answer(

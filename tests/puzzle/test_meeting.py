@@ -1,0 +1,33 @@
+"""Asking what two surfaces share: what is not sure has an answer, too."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from sherd.mesh.triangle_mesh import TriangleMesh
+from sherd.puzzle.growing import meeting as module
+from sherd.puzzle.growing.meeting import meeting
+from sherd.results.advice import SURE
+from sherd.shapes import creature, cut_by_ball, landmarks, whole
+
+
+def bumpy_tube() -> TriangleMesh:
+    u, v = np.meshgrid(np.arange(30) * 2 * np.pi / 30, np.linspace(0, 4, 30), indexing="ij")
+    radius = 0.5 + 0.1 * np.cos(3 * u + 2 * v)
+    points = np.stack([radius * np.cos(u), radius * np.sin(u), v], axis=2).reshape(-1, 3)
+    number = np.arange(900).reshape(30, 30)
+    right = np.roll(number, -1, axis=0)
+    corners = number[:, :-1], right[:, :-1], right[:, 1:], number[:, 1:]
+    halves = ((0, 1, 2), (0, 2, 3))
+    faces = [np.stack([corners[i] for i in half], axis=2).reshape(-1, 3) for half in halves]
+    return TriangleMesh(points, np.concatenate(faces), name="tube")
+
+
+def test_what_lies_nowhere_else_is_answered_as_it_is(monkeypatch) -> None:
+    """All further places may turn out to be the one that is known."""
+    monkeypatch.setattr(module, "further_labelings", lambda *_: [])
+    full = creature(5000)
+    front = cut_by_ball(whole(full, full), landmarks(full)["nose"], 0.85)
+    tube = bumpy_tube()
+    tube = tube.with_vertices(tube.vertices * np.sqrt(front.mesh.area / tube.area))
+    assert meeting(front.mesh, tube, 0).chance < SURE
