@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import os
 import shutil
 import subprocess
@@ -98,3 +99,18 @@ def test_other_users_of_numba_keep_their_settings() -> None:
     before = numba.config.CACHE_DIR
     compiled.compiled()(lambda x: x)
     assert before == numba.config.CACHE_DIR
+
+
+def test_no_kernel_assigns_arrays_to_slices() -> None:
+    """Numba compiles an error message that no kernel ever needs along with each: two seconds."""
+    found = []
+    for path in sorted(ROOT.rglob("*_kernel.py")):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if not isinstance(node, ast.Assign) or isinstance(node.value, ast.Constant):
+                continue
+            for target in node.targets:
+                if isinstance(target, ast.Subscript) and any(
+                    isinstance(part, ast.Slice) for part in ast.walk(target.slice)
+                ):
+                    found.append(f"{path.name}:{node.lineno}")
+    assert found == []

@@ -64,14 +64,19 @@ def best_rotation(rows, parts, waves, first, result):
     count = parts.shape[2]
     memory = np.empty((AZIMUTHS + 1, count), np.float32)
     for row in range(rows[0], rows[1]):
-        memory[:AZIMUTHS] = parts[:, row]
-        memory[AZIMUTHS] = np.float32(-np.inf)
+        # entry by entry: to compile the assignment of a slice takes two seconds
+        for number in range(AZIMUTHS):
+            for vertex in range(count):
+                memory[number, vertex] = parts[number, row, vertex]
+        for vertex in range(count):
+            memory[AZIMUTHS, vertex] = np.float32(-np.inf)
         for shift in range(waves.shape[1]):
             for vertex in range(count):
                 total = _turned(_of_row(memory, vertex), waves, shift)
                 best = memory[AZIMUTHS, vertex]
                 memory[AZIMUTHS, vertex] = total if total > best else best
-        result[row, first : first + count] = memory[AZIMUTHS]
+        for vertex in range(count):
+            result[row, first + vertex] = memory[AZIMUTHS, vertex]
 
 
 @compiled()
