@@ -103,14 +103,13 @@ def test_other_users_of_numba_keep_their_settings() -> None:
 
 def test_no_kernel_assigns_arrays_to_slices() -> None:
     """Numba compiles an error message that no kernel ever needs along with each: two seconds."""
-    found = []
-    for path in sorted(ROOT.rglob("*_kernel.py")):
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-            if not isinstance(node, ast.Assign) or isinstance(node.value, ast.Constant):
-                continue
-            for target in node.targets:
-                if isinstance(target, ast.Subscript) and any(
-                    isinstance(part, ast.Slice) for part in ast.walk(target.slice)
-                ):
-                    found.append(f"{path.name}:{node.lineno}")
+    found = [
+        f"{path.name}:{node.lineno}"
+        for path in sorted(ROOT.rglob("*_kernel.py"))
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.Assign) and not isinstance(node.value, ast.Constant)
+        for target in node.targets
+        if isinstance(target, ast.Subscript)
+        and any(isinstance(part, ast.Slice) for part in ast.walk(target.slice))
+    ]
     assert found == []

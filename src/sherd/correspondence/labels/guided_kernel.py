@@ -82,7 +82,7 @@ def _misfits(node, guides, part, full, state, comparison, turned, misfit):
     labels, rotations = state
     one, zero, half = np.float32(1.0), np.float32(0.0), np.float32(0.5)
     shorter, longer = np.float32(comparison.limit), np.float32(comparison.longer_limit)
-    misfit[:] = zero
+    misfit[:] = 0.0
     for guide in guides:
         if guide < 0:
             break
