@@ -1,6 +1,6 @@
 """`compiled()`: numba's compiler for our loops, with a cache that is found, safe and never stale.
 
-Compiling takes half a minute, so what was compiled is kept. Numba loads the index of its cache
+Compiling takes some 15 s, so what was compiled is kept. Numba loads the index of its cache
 before it looks how old it is, and an index that names a class which is gone fails to load. Here the
 folder of the cache carries the version and a hash of all sources that compiled code depends on:
 another version never sees it. Several processes may fill it at once; numba renames whole files.

@@ -87,7 +87,7 @@ def locate(
 
     Notes
     -----
-    About 5 s for 10,000 + 5,000 vertices on two cores, a fifth of it to tell whether the part
+    About 3 s for 10,000 + 5,000 vertices on two cores, a fifth of it to tell whether the part
     belongs at all; with a template that is kept, less. Larger meshes are decimated for the
     search, and the answer is carried back to every vertex.
 

@@ -89,6 +89,11 @@ def test_orientation_decides_what_is_inside():
     assert int(outside[0]) - int(outside[1]) > 2 * (int(inside[0]) - int(inside[1]))
 
 
+def test_nothing_is_seen_where_there_are_no_faces():
+    none = np.empty((0, 3), dtype=np.int64)
+    assert (covered_faces(np.zeros((3, 3)), none, width=4, height=3) == -1).all()
+
+
 def test_what_reaches_over_bands_of_rows_is_drawn_whole():
     rng = np.random.default_rng(1)
     height, width, samples = 2 * BAND // 3 + 40, 50, 3

@@ -34,9 +34,11 @@ def covered_faces(points: Floats, faces: Ints, *, width: int, height: int) -> ND
     width, height
         Of the image in pixels.
     """
-    drawn = np.flatnonzero(_drawn_once(points, faces)).astype(np.int32)
-    nearest = _nearest_faces(points, faces[drawn], width, height)
-    return np.where(nearest < 0, np.int32(-1), drawn[nearest])
+    drawn = np.flatnonzero(_drawn_once(points, faces))
+    nearest: NDArray[np.int32] = _nearest_faces(points, faces[drawn], width, height)
+    seen = nearest >= 0
+    nearest[seen] = drawn[nearest[seen]]
+    return nearest
 
 
 def shaded_image(

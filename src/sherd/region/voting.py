@@ -92,7 +92,11 @@ def locate_by_voting(
     with stages("votes"):
         place = poll.vote(similarities.direct)
     weights = chosen_weights(options, basis, fraction)
-    drawing = _Drawing.of(mesh, basis, _problem(mesh, place, fraction, weights))
+    drawing = _Drawing(
+        basis,
+        _problem(mesh, place, fraction, weights),
+        topology.adjacency(mesh.faces, mesh.vertex_count),
+    )
     twin = begun(lambda: _Sketch.of(poll.vote(similarities.mirrored), drawing, mirrored=True))
     with stages("region"):
         best, mask = drawing.region(place, FINAL)
@@ -215,10 +219,6 @@ class _Drawing:
     basis: EigenBasis
     problem: RegionProblem
     adjacency: sparse.csr_array
-
-    @classmethod
-    def of(cls, mesh: TriangleMesh, basis: EigenBasis, problem: RegionProblem) -> _Drawing:
-        return cls(basis, problem, topology.adjacency(mesh.faces, mesh.vertex_count))
 
     def region(self, place: VotedPlace, effort: LogisticOptions) -> tuple[LogisticRegion, Bools]:
         """The logistic membership and its crisp form (n,) bool; see :func:`_problem`."""

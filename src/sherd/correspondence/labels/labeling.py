@@ -124,18 +124,17 @@ class Problem:
 
     def mixed(self, order: Ints) -> Problem:
         """The same problem where each node looks as another does, (k,) a permutation."""
-        problem = replace(self, forbidden=self.forbidden[order], order=self._rows[order])
+        problem = replace(self, forbidden=self.forbidden[order], order=self._rows(order))
         problem.__dict__["_peaks"] = (self.peaks[order], self.turns[order])
         return problem
 
     def alike(self, nodes: Ints, labels: Ints, shifts: Ints) -> Singles:
         """Similarity of nodes and labels at rotations, all of one shape or broadcast to it."""
-        found: Singles = self.similarity[self._rows[nodes], labels, shifts]
+        found: Singles = self.similarity[self._rows(nodes), labels, shifts]
         return found
 
-    @property
-    def _rows(self) -> Ints:
-        return np.arange(len(self.similarity)) if self.order is None else self.order
+    def _rows(self, nodes: Ints) -> Ints:
+        return nodes if self.order is None else self.order[nodes]
 
     @cached_property
     def nodes(self) -> Samples:

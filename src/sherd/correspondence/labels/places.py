@@ -110,7 +110,7 @@ def _filled(own: Labeling, kept: Bools, other: Labeling) -> Labeling:
     )
 
 
-def _is_known(problems: tuple[Problem, Problem], each: Agreed, known: TwoLabelings) -> bool:
+def _is_known(problems: Both[Problem], each: Agreed, known: TwoLabelings) -> bool:
     found = (each.found, (known.forward, known.backward))
     kept = (each.agrees, (known.forward_agrees, known.backward_agrees))
     return same_place(problems, found, kept)
