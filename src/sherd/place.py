@@ -16,6 +16,7 @@ from sherd.correspondence.placements import (
     anchor_problem,
     mirrored_placement,
     second_placement,
+    viewed_placement,
 )
 from sherd.correspondence.plausibility import (
     placement_chance,
@@ -51,6 +52,10 @@ __all__ = ["PlacedPart", "placed_part"]
 # In sqrt(area), of a part whose scale is unknown: whatever its file says, it is described as if it
 # covered a third of the full shape, so that its unit does not matter.
 TRIAL_SIZE = 0.6
+# A placement that knows what a viewer saw is believed even if its score is lower by so much, half
+# a unit of unlikeness: what others do not know they cannot be right about, but where the first one
+# lies wrongly the viewer is sought in a wrong place.
+VIEWED_MARGIN = 0.05
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,7 +75,8 @@ class PlacedPart:
     twin
         Of the mirror image; None if not asked.
     energies
-        Of the first and the last labeling, and what they would be if nothing belonged together.
+        Of the first and the last labeling, and what they would be if nothing belonged together; of
+        a part that was seen from one side those of what its viewer saw.
     """
 
     template: Template
@@ -158,6 +164,12 @@ def placed_part(
     with stages("second placement"):
         second = second_placement(question, look, queries, rng)
         best, other = sorted((first(), second), key=lambda found: -found.score)
+        energies = (start.energy, labeling.energy, chance_level())
+    if surface.viewer is not None:
+        with stages("viewed placement"):
+            viewed = viewed_placement(question, surface.viewer, best, queries, rng)
+            if viewed.placement.score > best.score - VIEWED_MARGIN:
+                best, other, energies = viewed.placement, best, viewed.energies
     with stages("mirrored twin"):
         mirror = twin_placement() if twin else None
     return PlacedPart(
@@ -173,7 +185,7 @@ def placed_part(
         best=best,
         other=other,
         twin=mirror,
-        energies=(start.energy, labeling.energy, chance_level()),
+        energies=energies,
     )
 
 

@@ -5,16 +5,30 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from functools import partial
+
 import numpy as np
 
-from sherd.arrays import Singles
-from sherd.correspondence.labels.anchors import find_anchors, first_labeling, proposed_anchors
-from sherd.correspondence.labels.labeling import SIMILARITY_STEP, Problem, labeling_problem
+from sherd.arrays import Floats, Singles
+from sherd.correspondence.labels.anchors import (
+    chance_energy,
+    find_anchors,
+    first_labeling,
+    proposed_anchors,
+)
+from sherd.correspondence.labels.labeling import (
+    SIMILARITY_STEP,
+    Labeling,
+    Problem,
+    labeling_problem,
+)
 from sherd.correspondence.question import Question
 from sherd.correspondence.similar_places import Look
 from sherd.correspondence.working_placement import (
     Queries,
     WorkingPlacement,
+    look_from,
     mirrored_queries,
     placement_from_labeling,
     rough_placement_from_labeling,
@@ -22,13 +36,40 @@ from sherd.correspondence.working_placement import (
 from sherd.descriptors.rotation_shot import pooled_similarity, trusted_equally
 from sherd.surface.described import RADII
 from sherd.surface.transformed import mirrored
+from sherd.threads import side_by_side
 
-__all__ = ["anchor_problem", "mirrored_placement", "node_similarity", "second_placement"]
+__all__ = [
+    "ViewedPlacement",
+    "anchor_problem",
+    "mirrored_placement",
+    "node_similarity",
+    "second_placement",
+    "viewed_placement",
+]
 
 # Once the region is known, neighborhoods agree better, and lack of similarity says more.
 SECOND_STEP = 0.5 * SIMILARITY_STEP
 SECOND_ROUNDS = 2
 TWIN_ROUNDS = 2
+# A limb that is turned about itself turns the mean of all directions a little; once more without.
+VIEWED_ROUNDS = 2
+
+
+@dataclass(frozen=True, eq=False)
+class ViewedPlacement:
+    """A placement that knows what the part's viewer saw of the full shape.
+
+    Attributes
+    ----------
+    placement
+        The best of several.
+    energies
+        Of the first and of the last labeling of what was seen, and what they would be if nothing
+        belonged together.
+    """
+
+    placement: WorkingPlacement
+    energies: tuple[float, float, float]
 
 
 def anchor_problem(question: Question, rng: np.random.Generator) -> Problem:
@@ -50,11 +91,54 @@ def second_placement(
     That is the region of the first one: there both shapes have the same cut, so neighborhoods are
     complete.
     """
+    labeling = _second_labeling(_problem_within(question, look, rng))
+    return placement_from_labeling(question, labeling, queries)
+
+
+def viewed_placement(
+    question: Question,
+    viewer: Floats,
+    found: WorkingPlacement,
+    queries: Queries,
+    rng: np.random.Generator,
+) -> ViewedPlacement:
+    """A placement of a part that was seen from one side, from the direction `viewer` (3,).
+
+    Its cut runs along all limbs, so that no neighborhood is complete, and the region of a placement
+    that turns a limb about itself confirms it. But what faces away from the viewer was not seen,
+    wherever the part lies: anchors see of the full shape what faces that way where the part
+    was `found`. They are labeled as strictly as for a second placement and as for a first one, and
+    the better of all placements is the answer.
+    """
+    rounds = []
+    for _ in range(VIEWED_ROUNDS):
+        look = look_from(question, viewer, found.deformation, queries)
+        problem = _problem_within(question, look, rng)
+        first = first_labeling(problem)
+        last = find_anchors(problem, start=first)
+        laid = side_by_side(
+            partial(placement_from_labeling, question, labeling, queries)
+            for labeling in (last, _second_labeling(problem))
+        )
+        found = max(laid, key=_score)
+        rounds.append(found)
+    best = max(rounds, key=_score)
+    return ViewedPlacement(best, (first.energy, last.energy, chance_energy(problem, rng)))
+
+
+def _problem_within(question: Question, look: Look, rng: np.random.Generator) -> Problem:
+    """What is to be labeled where both shapes have the same cut."""
     spectra = trusted_equally(question.part.spectra_at(question.part.sparse.vertices), RADII)
     similarity = node_similarity(question, spectra, inside=look.full_spectra)
-    problem = labeling_problem(question, similarity, rng)
-    labeling = find_anchors(problem, step=SECOND_STEP, rounds=SECOND_ROUNDS)
-    return placement_from_labeling(question, labeling, queries)
+    return labeling_problem(question, similarity, rng)
+
+
+def _second_labeling(problem: Problem) -> Labeling:
+    return find_anchors(problem, step=SECOND_STEP, rounds=SECOND_ROUNDS)
+
+
+def _score(placement: WorkingPlacement) -> float:
+    return placement.score
 
 
 def mirrored_placement(

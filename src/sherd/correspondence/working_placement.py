@@ -28,6 +28,7 @@ __all__ = [
     "WorkingPlacement",
     "described_queries",
     "judged_placement",
+    "look_from",
     "look_inside",
     "mirrored_queries",
     "part_queries",
@@ -190,6 +191,20 @@ def look_inside(question: Question, deformation: Deformation, queries: Queries) 
     seen = full.finder.covered_vertices(deformation.positions, question.part.mesh.faces)
     trust = np.ones(len(queries.vertices))
     return Look(queries.vertices, full.spectra_within(seen), queries.plain, trust)
+
+
+def look_from(
+    question: Question, viewer: Floats, deformation: Deformation, queries: Queries
+) -> Look:
+    """Of the full shape only what faces the part's viewer is seen.
+
+    `viewer` (3,) is carried along by the rotations of the part, on average.
+    """
+    full, part = question.full, question.part
+    toward = part.mesh.vertex_areas @ (deformation.rotations @ viewer)
+    trust = np.ones(len(queries.vertices))
+    spectra = full.spectra_within(full.normals @ toward > 0)
+    return Look(queries.vertices, spectra, queries.plain, trust)
 
 
 def judged_placement(question: Question, deformation: Deformation, look: Look) -> WorkingPlacement:

@@ -27,6 +27,7 @@ from sherd.surface.samples import (
     dense_samples,
     sparse_samples,
 )
+from sherd.surface.viewing import viewing_direction
 from sherd.surface.working import WorkingSurface
 from sherd.threads import cached_property
 
@@ -200,6 +201,11 @@ class DescribedSurface:
         if self._known.normals is not None:
             return self._known.normals
         return smoothed_normals(self.mesh, AXIS_WIDTH)
+
+    @cached_property
+    def viewer(self) -> Floats | None:
+        """Unit direction (3,) toward who saw it, if all of it was seen from one side; else None."""
+        return viewing_direction(self.normals, self.mesh.vertex_areas)
 
     @cached_property
     def dense(self) -> Samples:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +14,7 @@ from sherd.benchmark.puzzle.sources import EDGES, animated_shapes
 from sherd.errors import MeshFileError
 from sherd.mesh.geometry import closest_rotation
 from sherd.mesh.triangle_mesh import TriangleMesh
+from sherd.shapes.camera_view import seen_by_camera
 from sherd.shapes.fragment import Fragment, cut_by_level, largest_piece, moved, remeshed, whole
 from sherd.spectral.geodesics import Geodesics
 
@@ -22,9 +23,6 @@ __all__ = ["CUTS", "FitPair", "FitSource", "fit_sources"]
 # Share of the area within a geodesic ball, or what one camera sees.
 CUTS = ("0.35", "0.5", "0.7", "camera")
 FACES_FILE = "faces.npz"
-# Cosine below which a scanner does not see a face, and how much deeper than the front, in edges,
-# a face may lie to be seen.
-GRAZING, DEPTH = 0.15, 3.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -158,23 +156,5 @@ def _ball(body: Fragment, share: float, rng: np.random.Generator) -> Fragment:
 
 
 def _view(body: Fragment, rng: np.random.Generator) -> Fragment:
-    """The largest piece of what a far camera sees from a random direction, by a depth buffer."""
-    mesh = body.mesh
-    frame = np.linalg.qr(rng.normal(size=(3, 3)))[0]
-    toward = frame[:, 2]
-    grid = np.array([(1, 0, 0), (0, 1, 0), (0, 0, 1), (0.5, 0.5, 0), (0, 0.5, 0.5), (0.5, 0, 0.5)])
-    weights = np.concatenate([grid, np.full((1, 3), 1 / 3)])
-    corners = mesh.vertices[mesh.faces]
-    samples = np.einsum("sk,mkx->smx", weights, corners)
-    cells = np.floor(samples @ frame[:, :2] / (0.75 * mesh.mean_edge_length)).astype(np.int64)
-    cells -= cells.min(axis=(0, 1))
-    key = cells[..., 0] * (cells[..., 1].max() + 1) + cells[..., 1]
-    depth = samples @ toward
-    front = np.full(int(key.max()) + 1, -np.inf)
-    np.maximum.at(front, key.ravel(), depth.ravel())
-    visible = depth[-1] > front[key[-1]] - DEPTH * mesh.mean_edge_length
-    visible &= mesh.face_normals @ toward > GRAZING
-    piece, kept = mesh.submesh(visible)
-    return largest_piece(
-        replace(body, mesh=piece, truth=body.truth[kept], present=body.present[kept])
-    )
+    """What a far camera sees from a random direction."""
+    return seen_by_camera(body, np.linalg.qr(rng.normal(size=(3, 3)))[0])
