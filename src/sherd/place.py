@@ -165,8 +165,7 @@ def placed_part(
         second = second_placement(question, look, queries, rng)
         best, other = sorted((first(), second), key=lambda found: -found.score)
         energies = (start.energy, labeling.energy, chance_level())
-    if surface.viewer is not None:
-        with stages("viewed placement"):
+        if surface.viewer is not None:
             viewed = viewed_placement(question, surface.viewer, best, queries, rng)
             if viewed.placement.score > best.score - VIEWED_MARGIN:
                 best, other, energies = viewed.placement, best, viewed.energies
