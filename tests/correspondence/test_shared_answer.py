@@ -40,7 +40,7 @@ def asked(monkeypatch) -> list[str]:
 
 
 def answered(monkeypatch: Any, first: Any, *others: Any) -> SharedAnswer:
-    monkeypatch.setattr(module, "further_labelings", lambda *_: list(others))
+    monkeypatch.setattr(module, "labelings_by_form", lambda *_: list(others))
     question = SimpleNamespace(part=SimpleNamespace(mesh=None))
     nothing: Any = (None, None)
     return shared_answer((question, question), nothing, first, nothing, strain=0.3, seed=0)

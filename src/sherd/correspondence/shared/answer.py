@@ -14,7 +14,6 @@ import numpy as np
 
 from sherd.arrays import Floats
 from sherd.correspondence.labels.labeling import Problem
-from sherd.correspondence.labels.places import further_labelings
 from sherd.correspondence.labels.two_way import Both, TwoLabelings
 from sherd.correspondence.plausibility import mirrored_energies
 from sherd.correspondence.question import Question
@@ -29,6 +28,7 @@ from sherd.correspondence.shared.judgment import (
     shared_area,
 )
 from sherd.correspondence.shared.likeness import Likeness
+from sherd.correspondence.shared.places_by_form import labelings_by_form
 from sherd.correspondence.shared.relief import alike_in, form
 from sherd.correspondence.shared.two_way_placement import SharedPlacement, placed_together
 from sherd.correspondence.working_placement import Queries
@@ -92,7 +92,7 @@ def shared_answer(
     first = judge.answer(labelings, laid(labelings))
     if first.chance >= SURE:
         return first
-    others = further_labelings(*problems, labelings)
+    others = labelings_by_form(problems, judge.forms, labelings)
     places = side_by_side(partial(laid, each) for each in others)
     answers = [first, *(judge.answer(*each) for each in zip(others, places, strict=True))]
     there = [judge.place_chance(each, further=each is not first) for each in answers]
