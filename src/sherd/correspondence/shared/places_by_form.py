@@ -56,21 +56,25 @@ def labelings_by_form(
     known
         The labeling of both that saves most.
     """
-    chance, alike = known.chance, partial(alike_at_labels, forms, problems)
+    chance = known.chance
     again = partial(all_agreed, problems, chance, inside=LIMIT, labeled=labeled_around)
     groups = [
         local_groups(problem, energy, GROUPS)
         for problem, energy in zip(problems, chance, strict=True)
     ]
+
+    def alike(each: Agreed) -> tuple[float, float]:
+        # where no form says anything, swapping the shapes must still swap what is chosen
+        return alike_at_labels(forms, problems, each), each.saved
+
     tried = again(led(problems, *groups))
     for left in LEFT:
         tried = elsewhere(problems, sorted(tried, key=alike, reverse=True))[:left]
         grown = again([each.found for each in tried])
         tried = [max(pair, key=alike) for pair in zip(tried, grown, strict=True)]
-    tried = elsewhere(problems, sorted(tried, key=alike, reverse=True))
-    places = side_by_side(partial(finished, problems, chance, each) for each in tried)
+    tried = side_by_side(partial(finished, problems, chance, each) for each in tried)
     return [
         described(problems, chance, each, known.first_ratio)
-        for each in places
+        for each in elsewhere(problems, sorted(tried, key=alike, reverse=True))
         if not is_known(problems, each, known)
     ]
