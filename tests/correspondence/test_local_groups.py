@@ -12,7 +12,10 @@ from sherd.correspondence.labels.inverse import inverse_labeling
 from sherd.correspondence.labels.labeling import Labeling, Problem, labeling_problem
 from sherd.correspondence.labels.local_groups import CANDIDATES, local_groups
 from sherd.correspondence.labels.places import UNEQUAL, followed, further_labelings
-from sherd.correspondence.labels.two_way import TwoLabelings, two_way_labelings
+from sherd.correspondence.labels.two_way import Agreed, TwoLabelings, two_way_labelings
+from sherd.correspondence.shared import places_by_form
+from sherd.correspondence.shared.places_by_form import labelings_by_form
+from sherd.correspondence.shared.relief import alike_at_labels
 
 SHIFTS = 16
 CHANCE = 20.0
@@ -73,24 +76,33 @@ def known(there, back) -> TwoLabelings:
 
 
 @pytest.fixture(scope="module")
-def further(there, back, known) -> list[TwoLabelings]:
-    """What is found where nothing is known but what chance costs."""
-    nowhere = replace(
+def nowhere(known) -> TwoLabelings:
+    """Nothing is known but what chance costs."""
+    return replace(
         known,
         forward_agrees=np.zeros_like(known.forward_agrees),
         backward_agrees=np.zeros_like(known.backward_agrees),
     )
+
+
+@pytest.fixture(scope="module")
+def further(there, back, nowhere) -> list[TwoLabelings]:
     return further_labelings(there, back, nowhere)
 
 
-def test_one_of_the_places_that_grow_from_groups_is_right(planted, further) -> None:
+def most_right(planted, places: list[TwoLabelings]) -> float:
+    """Of the nodes that know where they lie the share that one of the places has right."""
     between = planted.question.full.dense.between
     patch = patch_of(planted)
-    shares = []
-    for found in further:
+    shares = [0.0]
+    for found in places:
         off = between[found.forward.labels, planted.labels]
         shares.append((found.forward_agrees & (off < CLOSE))[patch].mean())
-    assert max(shares) > 0.8
+    return max(shares)
+
+
+def test_one_of_the_places_that_grow_from_groups_is_right(planted, further) -> None:
+    assert most_right(planted, further) > 0.8
 
 
 def test_the_places_that_grow_are_different(there, back, further) -> None:
@@ -101,6 +113,53 @@ def test_the_places_that_grow_are_different(there, back, further) -> None:
 def test_what_is_known_is_no_further_place(there, back, further) -> None:
     again = further_labelings(there, back, further[0])
     assert not any(alike((there, back), each, further[0]) for each in again)
+
+
+@pytest.fixture(scope="module")
+def forms(planted) -> tuple[np.ndarray, np.ndarray]:
+    """Something that changes over the blob, and over the piece as it does there."""
+    x, y, z = planted.question.full.mesh.vertices.T
+    field = np.sin(20 * x + 5 * y) + np.sin(17 * z - 8 * x) + np.sin(15 * y + 4 * z)
+    return field[planted.kept], field
+
+
+def test_the_place_that_goes_on_is_the_one_whose_form_is_alike(
+    planted, there, back, nowhere, forms, monkeypatch
+) -> None:
+    """What the right place saves is the same with either form."""
+    monkeypatch.setattr(places_by_form, "LEFT", (1, 1))
+    problems = (there, back)
+    assert most_right(planted, labelings_by_form(problems, forms, nowhere)) > 0.8
+    reverse = (forms[0], -forms[1])
+    assert most_right(planted, labelings_by_form(problems, reverse, nowhere)) < 0.2
+
+
+def test_places_by_form_are_different_and_not_known(there, back, nowhere, forms) -> None:
+    problems = (there, back)
+    found = labelings_by_form(problems, forms, nowhere)
+    assert 0 < len(found) <= places_by_form.LEFT[-1]
+    again = labelings_by_form(problems, forms, found[0])
+    assert not any(alike(problems, each, found[0]) for each in again)
+
+
+def test_forms_are_alike_at_right_labels_and_prove_more_on_more_nodes(
+    planted, there, back, forms
+) -> None:
+    right = all_right(planted, there, back)
+    kept = (right.forward_agrees, right.backward_agrees)
+    labelings = (right.forward, right.backward)
+
+    def proved(found, agrees) -> float:
+        return alike_at_labels(forms, (there, back), Agreed(found, agrees, (0, 0), 0.0))
+
+    whole = proved(labelings, kept)
+    assert whole > 0.8 * np.sqrt(np.mean(kept_areas((there, back), right)))
+    half = (kept[0] & patch_of(planted), kept[1])
+    assert proved(labelings, half) < 0.9 * whole
+    wrong = tuple(replace(each, labels=np.roll(each.labels, 7)) for each in labelings)
+    assert proved(wrong, kept) < 0.5 * whole
+    nothing = tuple(np.zeros_like(each) for each in kept)
+    assert proved(labelings, nothing) == 0.0
 
 
 def alike(problems: tuple[Problem, Problem], one: TwoLabelings, other: TwoLabelings) -> bool:

@@ -7,10 +7,12 @@ from types import SimpleNamespace
 import pytest
 
 from sherd.correspondence.shared.judgment import (
+    form_log_odds,
     mirror_is_better,
     mirror_says_something,
     overlap_chance,
-    place_chance,
+    overlap_log_odds,
+    place_chances,
 )
 from sherd.correspondence.shared.likeness import Likeness
 
@@ -23,7 +25,8 @@ def chance(**changes: float) -> float:
     """Of an answer that is right, but for the changes."""
     told = SimpleNamespace(**{**WELL, **changes}, first_ratio=0.5)
     likeness = Likeness(0.02, told.leading, told.handed)
-    return overlap_chance(told, told.mirrored, likeness, told.open)
+    log_odds = overlap_log_odds(told, told.mirrored, likeness, told.open)
+    return overlap_chance(told, told.mirrored, log_odds)
 
 
 def test_what_agrees_is_alike_and_misses_nothing_is_sure() -> None:
@@ -54,8 +57,10 @@ def test_what_is_right_and_lacks_half_of_what_is_shared_is_doubted() -> None:
 
 def test_where_too_little_is_shared_to_be_judged_it_is_not_believed() -> None:
     labelings = SimpleNamespace(agreement=1.0, lack=0.0, first_ratio=0.2)
-    assert overlap_chance(labelings, 0.9, None, 0.0) < 0.01
-    assert place_chance(None, 0.0, 0.9, 0.5, further=False) < 0.01
+    log_odds = overlap_log_odds(labelings, 0.9, None, 0.0)
+    assert overlap_chance(labelings, 0.9, log_odds) < 0.01
+    assert form_log_odds(None, 0.0, 0.9, 0.5) == log_odds
+    assert list(place_chances([-9.0, log_odds], [-9.0, log_odds])[1:]) == [0.0]
 
 
 def test_a_mirror_image_that_is_better_by_accident_says_nothing() -> None:
@@ -91,23 +96,40 @@ def test_a_chance_is_never_certain() -> None:
 
 
 def place(**changes: float) -> float:
-    """Of an answer at the right place, but for the changes."""
-    told = {"leading": 0.75, "open": 0.3, "form": 0.6, "area": 0.4, "further": False, **changes}
+    """By form, of an answer at the right place, but for the changes."""
+    told = {"leading": 0.75, "open": 0.3, "form": 0.6, "area": 0.4, **changes}
     likeness = Likeness(0.02, told["leading"], 0.6)
-    return place_chance(
-        likeness, told["open"], told["form"], told["area"], further=bool(told["further"])
-    )
+    return form_log_odds(likeness, told["open"], told["form"], told["area"])
 
 
-@pytest.mark.parametrize(
-    "worse",
-    [{"leading": 0.5}, {"open": 1.5}, {"form": 0.2}, {"area": 0.1}, {"further": True}],
-)
+@pytest.mark.parametrize("worse", [{"leading": 0.5}, {"open": 1.5}, {"form": 0.2}, {"area": 0.1}])
 def test_each_thing_that_is_worse_makes_a_place_less_likely(worse: dict[str, float]) -> None:
-    assert place() > 0.65
-    assert place(**worse) < place() - 0.05
+    assert place() > 0.5
+    assert place(**worse) < place() - 0.5
 
 
 def test_form_proves_more_on_a_large_area_than_on_a_small_one() -> None:
     """Half as much on four times the area proves as much."""
     assert place(form=0.3, area=0.4) == pytest.approx(place(form=0.6, area=0.1))
+
+
+def test_of_several_places_one_is_right_or_none() -> None:
+    chances = place_chances([-1.0, 2.0, 0.0], [2.0, 1.0, -4.0])
+    assert 0.8 < chances.sum() < 1.0
+    assert place_chances([-4.0], [-4.0]).sum() < 0.3
+
+
+def test_a_place_that_another_one_nearly_equals_is_not_likely() -> None:
+    """However much speaks for it: a cow on a lion, 0.6 of the area, head on tail."""
+    alone = place_chances([-0.9], [2.3])[0]
+    assert alone > 0.65
+    both = place_chances([-0.9, 2.1], [2.3, 2.8])
+    assert both[0] < 0.5 < both[1] + 0.15
+
+
+def test_labels_and_form_both_say_which_place_it_is() -> None:
+    even = place_chances([0.0, 0.0], [0.0, 0.0])
+    by_labels = place_chances([0.0, 3.0], [0.0, 0.0])
+    by_form = place_chances([0.0, 0.0], [0.0, 3.0])
+    assert by_labels[1] > even[1] + 0.05
+    assert by_form[1] > even[1] + 0.2

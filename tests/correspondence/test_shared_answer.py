@@ -31,16 +31,18 @@ def asked(monkeypatch) -> list[str]:
     monkeypatch.setattr(module, "placed_together", lay)
     monkeypatch.setattr(module, "likeness_of_both", lambda *_: Likeness(0.02, 0.8, 0.8))
     monkeypatch.setattr(module, "most_open", lambda *_: 0.0)
+    monkeypatch.setattr(module, "overlap_log_odds", lambda *_: 0.0)
     monkeypatch.setattr(module, "overlap_chance", lambda each, *_: each.own)
     monkeypatch.setattr(module, "form", lambda _: None)
     monkeypatch.setattr(module, "alike_in", lambda _, __, each: each.there)
     monkeypatch.setattr(module, "shared_area", lambda *_: 1.0)
-    monkeypatch.setattr(module, "place_chance", lambda _, __, form, *___, further: form)
+    monkeypatch.setattr(module, "form_log_odds", lambda _, __, form, *___: form)
+    monkeypatch.setattr(module, "place_chances", lambda _, by_form: by_form)
     return laid
 
 
 def answered(monkeypatch: Any, first: Any, *others: Any) -> SharedAnswer:
-    monkeypatch.setattr(module, "further_labelings", lambda *_: list(others))
+    monkeypatch.setattr(module, "labelings_by_form", lambda *_: list(others))
     question = SimpleNamespace(part=SimpleNamespace(mesh=None))
     nothing: Any = (None, None)
     return shared_answer((question, question), nothing, first, nothing, strain=0.3, seed=0)

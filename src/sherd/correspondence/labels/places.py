@@ -28,7 +28,7 @@ from sherd.correspondence.labels.two_way import (
     led,
 )
 
-__all__ = ["followed", "further_labelings"]
+__all__ = ["followed", "further_labelings", "is_known"]
 
 # Groups of either direction. Of 12 pairs of pieces of a wolf that share 0.12 and more of the
 # smaller one eight had a right group among so many, the last of these the 21st; of 32 one more.
@@ -70,7 +70,7 @@ def further_labelings(
     return [
         described(problems, chance, each, known.first_ratio)
         for each in places
-        if not _is_known(problems, each, known)
+        if not is_known(problems, each, known)
     ]
 
 
@@ -110,7 +110,8 @@ def _filled(own: Labeling, kept: Bools, other: Labeling) -> Labeling:
     )
 
 
-def _is_known(problems: Both[Problem], each: Agreed, known: TwoLabelings) -> bool:
+def is_known(problems: Both[Problem], each: Agreed, known: TwoLabelings) -> bool:
+    """Whether labelings lie where the known ones do."""
     found = (each.found, (known.forward, known.backward))
     kept = (each.agrees, (known.forward_agrees, known.backward_agrees))
     return same_place(problems, found, kept)

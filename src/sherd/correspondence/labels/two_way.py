@@ -51,6 +51,7 @@ __all__ = [
     "TwoLabelings",
     "all_agreed",
     "described",
+    "elsewhere",
     "finished",
     "grown_apart",
     "labeled_around",
@@ -270,15 +271,15 @@ def grown_apart(
 ) -> list[Agreed]:
     """Different places that grow, so many in each round as `lefts` says; most saved first."""
     for left in lefts:
-        tried = _elsewhere(problems, sorted(tried, key=_worth, reverse=True))[:left]
+        tried = elsewhere(problems, sorted(tried, key=_worth, reverse=True))[:left]
         again = all_agreed(
             problems, chance, [each.found for each in tried], inside=LIMIT, labeled=labeled_around
         )
         tried = [max(pair, key=_worth) for pair in zip(tried, again, strict=True)]
-    return _elsewhere(problems, sorted(tried, key=_worth, reverse=True))
+    return elsewhere(problems, sorted(tried, key=_worth, reverse=True))
 
 
-def _elsewhere(problems: Both[Problem], tried: list[Agreed]) -> list[Agreed]:
+def elsewhere(problems: Both[Problem], tried: list[Agreed]) -> list[Agreed]:
     """Those that lay most of what they share with none before them at the same places."""
     different: list[Agreed] = []
     for each in tried:

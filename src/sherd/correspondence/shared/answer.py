@@ -14,21 +14,23 @@ import numpy as np
 
 from sherd.arrays import Floats
 from sherd.correspondence.labels.labeling import Problem
-from sherd.correspondence.labels.places import further_labelings
 from sherd.correspondence.labels.two_way import Both, TwoLabelings
 from sherd.correspondence.plausibility import mirrored_energies
 from sherd.correspondence.question import Question
 from sherd.correspondence.shared.judgment import (
     FURTHER_CHANCE,
+    form_log_odds,
     likeness_of_both,
     mirror_is_better,
     mirror_says_something,
     most_open,
     overlap_chance,
-    place_chance,
+    overlap_log_odds,
+    place_chances,
     shared_area,
 )
 from sherd.correspondence.shared.likeness import Likeness
+from sherd.correspondence.shared.places_by_form import labelings_by_form
 from sherd.correspondence.shared.relief import alike_in, form
 from sherd.correspondence.shared.two_way_placement import SharedPlacement, placed_together
 from sherd.correspondence.working_placement import Queries
@@ -48,8 +50,10 @@ class SharedAnswer:
         Of the second shape on the first, and of the first on the second.
     likeness, is_open
         What is seen of what is shared, and how much of its border lies inside both shapes.
+    log_odds
+        That the answer as a whole is right, by its labels and what is seen inside.
     chance
-        That the answer as a whole is right.
+        The same as a chance, capped where something forbids to believe it.
     twin
         Whether the mirror image of one shape is more alike the other, at the same place too.
     """
@@ -57,6 +61,7 @@ class SharedAnswer:
     placements: Both[SharedPlacement]
     likeness: Likeness | None
     is_open: float
+    log_odds: float
     chance: float
     twin: bool
 
@@ -92,15 +97,15 @@ def shared_answer(
     first = judge.answer(labelings, laid(labelings))
     if first.chance >= SURE:
         return first
-    others = further_labelings(*problems, labelings)
+    others = labelings_by_form(problems, judge.forms, labelings)
     places = side_by_side(partial(laid, each) for each in others)
     answers = [first, *(judge.answer(*each) for each in zip(others, places, strict=True))]
-    there = [judge.place_chance(each, further=each is not first) for each in answers]
+    there = judge.place_chances(answers)
     surest = int(np.argmax(there))
     if surest == 0:
         return first
     best = answers[surest]
-    return replace(best, chance=min(best.chance, there[surest], FURTHER_CHANCE))
+    return replace(best, chance=min(best.chance, float(there[surest]), FURTHER_CHANCE))
 
 
 class _Judge:
@@ -141,20 +146,25 @@ class _Judge:
         if mirror_says_something(likeness):
             mirrored = self.mirrored_ratio
         is_open = most_open(self.questions, placements)
+        log_odds = overlap_log_odds(labelings, mirrored, likeness, is_open)
         return SharedAnswer(
             placements,
             likeness,
             is_open,
-            chance=overlap_chance(labelings, mirrored, likeness, is_open),
+            log_odds,
+            chance=overlap_chance(labelings, mirrored, log_odds),
             twin=mirror_is_better(labelings.first_ratio, mirrored),
         )
 
-    def place_chance(self, answer: SharedAnswer, *, further: bool) -> float:
-        """How likely an answer is beside others."""
-        return place_chance(
-            answer.likeness,
-            answer.is_open,
-            alike_in(self.forms, self.questions, answer.placements),
-            shared_area(self.questions, answer.placements),
-            further=further,
-        )
+    def place_chances(self, answers: list[SharedAnswer]) -> Floats:
+        """How likely each of several answers is beside the others; the first one saves most."""
+        by_form = [
+            form_log_odds(
+                each.likeness,
+                each.is_open,
+                alike_in(self.forms, self.questions, each.placements),
+                shared_area(self.questions, each.placements),
+            )
+            for each in answers
+        ]
+        return place_chances([each.log_odds for each in answers], by_form)
