@@ -43,7 +43,7 @@ def asked(monkeypatch) -> list[str]:
 
 def answered(monkeypatch: Any, first: Any, *others: Any) -> SharedAnswer:
     monkeypatch.setattr(module, "labelings_by_form", lambda *_: list(others))
-    question = SimpleNamespace(part=SimpleNamespace(mesh=None))
+    question = SimpleNamespace(part=SimpleNamespace(mesh=None, viewer=None))
     nothing: Any = (None, None)
     return shared_answer((question, question), nothing, first, nothing, strain=0.3, seed=0)
 
@@ -85,3 +85,26 @@ def test_what_saves_most_stays_as_doubtful_as_it_was(monkeypatch, asked) -> None
     assert best.chance == 0.3
     assert answered(monkeypatch, first).chance == 0.3
     assert len(asked) == 3
+
+
+def test_what_viewers_saw_is_preferred_and_never_good(monkeypatch, asked) -> None:
+    """It begins where the others lie, so it shares their chance; it knows more."""
+    monkeypatch.setattr(module, "are_views", lambda _: True)
+    seen = iter([labeling("seen", chance=0.99, there=0.3), labeling("also", chance=0.9, there=0.1)])
+    monkeypatch.setattr(module, "_labelings_of_viewers", lambda *_: next(seen))
+    first = labeling("first", chance=0.3, there=0.2)
+    best = answered(monkeypatch, first, labeling("other", chance=0.9, there=0.5))
+    assert sorted(asked) == ["also", "first", "other", "seen"]
+    assert best.placements.name == "seen"
+    assert best.chance == 0.3
+
+
+def test_what_viewers_saw_gives_way_to_what_is_far_more_likely(monkeypatch, asked) -> None:
+    monkeypatch.setattr(module, "are_views", lambda _: True)
+    monkeypatch.setattr(
+        module, "_labelings_of_viewers", lambda *_: labeling("seen", chance=0.99, there=0.2)
+    )
+    first = labeling("first", chance=0.3, there=0.5)
+    best = answered(monkeypatch, first)
+    assert asked == ["first", "seen"]
+    assert best.placements is first

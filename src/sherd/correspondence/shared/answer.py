@@ -14,7 +14,7 @@ import numpy as np
 
 from sherd.arrays import Floats
 from sherd.correspondence.labels.labeling import Problem
-from sherd.correspondence.labels.two_way import Both, TwoLabelings
+from sherd.correspondence.labels.two_way import Both, TwoLabelings, two_way_labelings
 from sherd.correspondence.plausibility import mirrored_energies
 from sherd.correspondence.question import Question
 from sherd.correspondence.shared.judgment import (
@@ -33,11 +33,17 @@ from sherd.correspondence.shared.likeness import Likeness
 from sherd.correspondence.shared.places_by_form import labelings_by_form
 from sherd.correspondence.shared.relief import alike_in, form
 from sherd.correspondence.shared.two_way_placement import SharedPlacement, placed_together
+from sherd.correspondence.shared.viewed import are_views, viewed_problems
 from sherd.correspondence.working_placement import Queries
 from sherd.results.advice import SURE
 from sherd.threads import cached_property, side_by_side
 
 __all__ = ["SharedAnswer", "shared_answer"]
+
+
+# What knows what viewers could not see is believed where it is half as likely as what does not know
+# it: each of them shares its chance with the place that it began from.
+VIEWED = 2.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,11 +107,28 @@ def shared_answer(
     places = side_by_side(partial(laid, each) for each in others)
     answers = [first, *(judge.answer(*each) for each in zip(others, places, strict=True))]
     there = judge.place_chances(answers)
-    surest = int(np.argmax(there))
+    preference = np.ones(len(answers))
+    if are_views(questions):
+        # where viewers stood may be right though the place is not
+        begun = dict.fromkeys((0, int(np.argmax(there))))
+        seen = [_labelings_of_viewers(questions, answers[each], seed) for each in begun]
+        places = side_by_side(partial(laid, each) for each in seen)
+        answers += [judge.answer(*each) for each in zip(seen, places, strict=True)]
+        there = judge.place_chances(answers)
+        preference = np.append(preference, np.full(len(seen), VIEWED))
+    surest = int(np.argmax(there * preference))
     if surest == 0:
         return first
     best = answers[surest]
     return replace(best, chance=min(best.chance, float(there[surest]), FURTHER_CHANCE))
+
+
+def _labelings_of_viewers(
+    questions: Both[Question], answer: SharedAnswer, seed: int
+) -> TwoLabelings:
+    """The nodes of both shapes labeled by what both viewers saw, as an answer places them."""
+    rngs = (np.random.default_rng(seed + 1), np.random.default_rng(seed + 1))
+    return two_way_labelings(*viewed_problems(questions, answer.placements, seed), rngs)
 
 
 class _Judge:
