@@ -41,6 +41,13 @@ def test_what_goes_around_a_limb_has_no_viewer(body):
         assert viewing_direction(mesh.vertex_normals, mesh.vertex_areas) is None
 
 
+def test_vertices_without_faces_are_not_asked():
+    normals = np.array([[0.0, 0.0, 1.0], [0.0, 0.6, 0.8], [np.nan] * 3])
+    found = viewing_direction(normals, np.array([1.0, 1.0, 0.0]))
+    assert found is not None
+    assert found[2] > 0.8
+
+
 def test_a_closed_symmetric_surface_has_no_viewer():
     normals = np.concatenate([np.eye(3), -np.eye(3)])
     assert viewing_direction(normals, np.ones(6)) is None

@@ -28,7 +28,8 @@ def viewing_direction(normals: Floats, areas: Floats) -> Floats | None:
     """
     from scipy.optimize import minimize  # noqa: PLC0415 - few surfaces are asked before matching
 
-    share = areas / areas.sum()
+    used = areas > 0  # what has no face has no normal
+    share, normals = areas[used] / areas.sum(), normals[used]
     mean = share @ normals
     if not np.linalg.norm(mean) > 0:
         return None
