@@ -8,7 +8,7 @@ from scipy.spatial import cKDTree
 from sherd.arrays import Bools, Floats
 from sherd.correspondence.registration import Deformation
 from sherd.correspondence.working_placement import Queries, WorkingPlacement
-from sherd.mesh.geometry import vertex_normals
+from sherd.mesh.geometry import lengths, vertex_normals
 from sherd.surface.described import DescribedSurface
 
 __all__ = [
@@ -37,6 +37,9 @@ FOREIGN = 0.65
 # Points of the part farther apart than two of the largest neighborhoods are wide, which come to lie
 # within the size of a label's cell: a right placement has none.
 APART, TOGETHER = 0.2, 0.02
+# What lies together on the full shape lay within three such cells on the part too, along skin that
+# the part may lack: across a gap in what a camera saw paths are long, and straight lines are not.
+STRAIGHT = 3 * TOGETHER
 
 
 def confidence_features(
@@ -106,7 +109,7 @@ def share_laid_double(part: DescribedSurface, deformation: Deformation) -> float
     Two legs laid on one leg have similar neighborhoods and no strain; only this tells. The other
     side of a thin sheet looks the other way and does not count.
     """
-    positions = deformation.positions
+    positions, own = deformation.positions, part.mesh.vertices
     normals = vertex_normals(positions, part.mesh.faces)
     found = cKDTree(positions).query_ball_point(positions[part.sparse.vertices], TOGETHER)
     nodes, distances = part.sparse.vertices, part.sparse.distances
@@ -114,5 +117,6 @@ def share_laid_double(part: DescribedSurface, deformation: Deformation) -> float
     for node, row in enumerate(found):
         near = np.asarray(row, dtype=np.int64)
         same_side = normals[near] @ normals[nodes[node]] > 0.5
-        double += bool((same_side & (distances[node, near] > APART)).any())
+        apart = lengths(own[near] - own[nodes[node]]) > STRAIGHT
+        double += bool((same_side & apart & (distances[node, near] > APART)).any())
     return double / len(nodes)
