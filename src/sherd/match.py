@@ -30,7 +30,7 @@ from sherd.correspondence.working_placement import (
 from sherd.mesh.sides import bulge
 from sherd.mesh.units import unit_proposal
 from sherd.output import Stages
-from sherd.place import PlacedPart, placed_part
+from sherd.place import VIEWED_MARGIN, PlacedPart, placed_part
 from sherd.region.coverage import covered_region
 from sherd.results.advice import Doubts
 from sherd.results.keywords import options_of
@@ -42,6 +42,7 @@ from sherd.results.way_back import WayBack
 from sherd.scan.either_side import SURE_BULGE, better_side
 from sherd.scan.intake import Intake, MeshSource, ScanSource, scan_intake
 from sherd.scan.numbering import original_normals, turned_as_repaired
+from sherd.surface.described import DescribedSurface
 from sherd.surface.prepared import as_template
 from sherd.surface.template import Template
 from sherd.threads import begun, one_blas_thread
@@ -174,7 +175,7 @@ def match_result(placed: PlacedPart, stages: Stages) -> MatchResult:
     doubts = Doubts(
         chance=chance,
         featureless=self_likeness(surface) > FEATURELESS,
-        twin=twin is not None and twin.score > best.score + TWIN_MARGIN,
+        twin=twin is not None and twin.score > best.score + _twin_margin(surface),
         unchecked=result.check().failures,
         unlike=_fits_poorly(trust, share_laid_double(surface, best.deformation)),
         scale_unknown=unknown,
@@ -189,6 +190,15 @@ def match_result(placed: PlacedPart, stages: Stages) -> MatchResult:
         advice=doubts.advice,
         unfollowed_landmarks=doubts.unfollowed,
     )
+
+
+def _twin_margin(part: DescribedSurface) -> float:
+    """By how much a twin must be better to say that the answer is its mirror image.
+
+    The twin of what one camera saw was placed without knowing what the viewer could not see, and
+    what does not know that may be right with a lower score.
+    """
+    return TWIN_MARGIN if part.viewer is None else -VIEWED_MARGIN
 
 
 def _scale_rival(placed: PlacedPart) -> float | None:

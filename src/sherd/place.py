@@ -47,7 +47,7 @@ from sherd.surface.prepared import described_part
 from sherd.surface.template import Template
 from sherd.threads import begun
 
-__all__ = ["PlacedPart", "placed_part"]
+__all__ = ["VIEWED_MARGIN", "PlacedPart", "placed_part"]
 
 # In sqrt(area), of a part whose scale is unknown: whatever its file says, it is described as if it
 # covered a third of the full shape, so that its unit does not matter.
