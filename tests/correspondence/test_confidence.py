@@ -48,20 +48,20 @@ def test_two_pieces_on_one_place_are_laid_double() -> None:
 
 def test_a_gap_that_a_camera_left_is_not_laid_double() -> None:
     """Paths around it are long, but both sides lie as near to each other as on the full shape."""
-    height, around = 12, 60
-    angle = np.linspace(0.0, 2.0 * np.pi - 0.08, around)
-    rows = np.linspace(0.0, 0.3, height)
-    grid = np.array([(0.2 * np.cos(a), 0.2 * np.sin(a), h) for h in rows for a in angle])
-    cells = [(i, j) for i in range(height - 1) for j in range(around - 1)]
+    wide, high, step = 22, 28, 0.015
+    grid = np.array([(i * step, j * step, 0.0) for j in range(high) for i in range(wide)])
+    cells = [
+        (j * wide + i)
+        for j in range(high - 1)
+        for i in range(wide - 1)
+        if i != wide // 2 or j == 0  # a slit, but for its lower end
+    ]
     faces = [
-        face
-        for i, j in cells
-        for face in (
-            (i * around + j, i * around + j + 1, (i + 1) * around + j),
-            (i * around + j + 1, (i + 1) * around + j + 1, (i + 1) * around + j),
-        )
+        face for c in cells for face in ((c, c + 1, c + wide), (c + 1, c + wide + 1, c + wide))
     ]
     part = described_part(TriangleMesh(grid, faces), 1.0)
+    assert part.viewer is not None
     turns = np.tile(np.eye(3), (part.mesh.vertex_count, 1, 1))
-    # the slit is 0.016 wide and a turn of 1.2 away along the skin
     assert share_laid_double(part, Deformation(part.mesh.vertices, turns)) == 0.0
+    part.__dict__["viewer"] = None  # of what is torn otherwise nothing is known
+    assert share_laid_double(part, Deformation(part.mesh.vertices, turns)) > 0.0

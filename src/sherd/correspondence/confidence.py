@@ -38,7 +38,7 @@ FOREIGN = 0.65
 # within the size of a label's cell: a right placement has none.
 APART, TOGETHER = 0.2, 0.02
 # What lies together on the full shape lay within three such cells on the part too, along skin that
-# the part may lack: across a gap in what a camera saw paths are long, and straight lines are not.
+# a camera may not have seen: around a gap in its view paths are long, and straight lines are not.
 STRAIGHT = 3 * TOGETHER
 
 
@@ -113,10 +113,11 @@ def share_laid_double(part: DescribedSurface, deformation: Deformation) -> float
     normals = vertex_normals(positions, part.mesh.faces)
     found = cKDTree(positions).query_ball_point(positions[part.sparse.vertices], TOGETHER)
     nodes, distances = part.sparse.vertices, part.sparse.distances
+    reach = 0.0 if part.viewer is None else STRAIGHT
     double = 0
     for node, row in enumerate(found):
         near = np.asarray(row, dtype=np.int64)
         same_side = normals[near] @ normals[nodes[node]] > 0.5
-        apart = lengths(own[near] - own[nodes[node]]) > STRAIGHT
+        apart = lengths(own[near] - own[nodes[node]]) > reach
         double += bool((same_side & apart & (distances[node, near] > APART)).any())
     return double / len(nodes)
