@@ -118,6 +118,6 @@ def share_laid_double(part: DescribedSurface, deformation: Deformation) -> float
     for node, row in enumerate(found):
         near = np.asarray(row, dtype=np.int64)
         same_side = normals[near] @ normals[nodes[node]] > 0.5
-        apart = lengths(own[near] - own[nodes[node]]) > reach
+        apart = lengths(own[near] - own[nodes[node]]) >= reach
         double += bool((same_side & apart & (distances[node, near] > APART)).any())
     return double / len(nodes)

@@ -93,7 +93,8 @@ def second_placement(
     That is the region of the first one: there both shapes have the same cut, so neighborhoods are
     complete.
     """
-    labeling = _second_labeling(_problem_within(question, look, rng))
+    problem = _problem_within(question, look, _node_spectra(question), rng)
+    labeling = _second_labeling(problem)
     return placement_from_labeling(question, labeling, queries)
 
 
@@ -112,10 +113,10 @@ def viewed_placement(
     was `found`. They are labeled as strictly as for a second placement and as for a first one, and
     the better of all placements is the answer.
     """
-    rounds = []
+    rounds, spectra = [], _node_spectra(question)
     for _ in range(VIEWED_ROUNDS):
         look = look_from(question, viewer, found.deformation, queries)
-        problem = _problem_within(question, look, rng)
+        problem = _problem_within(question, look, spectra, rng)
         first = first_labeling(problem)
         last = find_anchors(problem, start=first)
         laid = side_by_side(
@@ -128,10 +129,16 @@ def viewed_placement(
     return ViewedPlacement(best, (first.energy, last.energy, chance_energy(problem, rng)))
 
 
-def _problem_within(question: Question, look: Look, rng: np.random.Generator) -> Problem:
+def _node_spectra(question: Question) -> Singles:
+    """Of the nodes, where neighborhoods are complete."""
+    return trusted_equally(question.part.spectra_at(question.part.sparse.vertices), RADII)
+
+
+def _problem_within(
+    question: Question, look: Look, node_spectra: Singles, rng: np.random.Generator
+) -> Problem:
     """What is to be labeled where both shapes have the same cut."""
-    spectra = trusted_equally(question.part.spectra_at(question.part.sparse.vertices), RADII)
-    similarity = node_similarity(question, spectra, inside=look.full_spectra)
+    similarity = node_similarity(question, node_spectra, inside=look.full_spectra)
     return labeling_problem(question, similarity, rng)
 
 

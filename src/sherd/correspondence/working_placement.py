@@ -27,6 +27,7 @@ __all__ = [
     "Queries",
     "WorkingPlacement",
     "described_queries",
+    "facing_viewer",
     "judged_placement",
     "look_from",
     "look_inside",
@@ -196,15 +197,28 @@ def look_inside(question: Question, deformation: Deformation, queries: Queries) 
 def look_from(
     question: Question, viewer: Floats, deformation: Deformation, queries: Queries
 ) -> Look:
-    """Of the full shape only what faces the part's viewer is seen.
-
-    `viewer` (3,) is carried along by the rotations of the part, on average.
-    """
-    full, part = question.full, question.part
-    toward = part.mesh.vertex_areas @ (deformation.rotations @ viewer)
+    """Of the full shape only what faces the part's viewer (3,) is seen."""
+    areas = question.part.mesh.vertex_areas
+    seen = facing_viewer(question, viewer, deformation, areas)
     trust = np.ones(len(queries.vertices))
-    spectra = full.spectra_within(full.normals @ toward > 0)
-    return Look(queries.vertices, spectra, queries.plain, trust)
+    return Look(queries.vertices, question.full.spectra_within(seen), queries.plain, trust)
+
+
+def facing_viewer(
+    question: Question,
+    viewer: Floats,
+    deformation: Deformation,
+    weights: Floats,
+    *,
+    least: float = 0.0,
+) -> Bools:
+    """The vertices (n,) of the full shape that face the part's viewer by a cosine above `least`.
+
+    `viewer` (3,) is carried along by the rotations of the part, on average by `weights` (n',).
+    """
+    toward = weights @ (deformation.rotations @ viewer)
+    facing: Bools = question.full.normals @ toward > least * np.linalg.norm(toward)
+    return facing
 
 
 def judged_placement(question: Question, deformation: Deformation, look: Look) -> WorkingPlacement:

@@ -18,6 +18,7 @@ from sherd.correspondence.labels.two_way import Both
 from sherd.correspondence.placements import node_similarity
 from sherd.correspondence.question import Question
 from sherd.correspondence.shared.two_way_placement import SharedPlacement
+from sherd.correspondence.working_placement import facing_viewer
 from sherd.descriptors.rotation_shot import trusted_equally
 from sherd.surface.described import RADII
 from sherd.threads import side_by_side
@@ -67,10 +68,8 @@ def _seen_by_other(question: Question, place: SharedPlacement) -> Bools:
     full, part = question.full, question.part
     if part.viewer is None:
         return np.ones(full.mesh.vertex_count, dtype=bool)
-    weight = part.mesh.vertex_areas * place.shared
-    toward = weight @ (place.deformation.rotations @ part.viewer)
-    seen: Bools = full.normals @ toward > LOOKS_AWAY * np.linalg.norm(toward)
-    return seen
+    shared = part.mesh.vertex_areas * place.shared
+    return facing_viewer(question, part.viewer, place.deformation, shared, least=LOOKS_AWAY)
 
 
 def _problem_within(question: Question, on_part: Bools, on_full: Bools, seed: int) -> Problem:
