@@ -37,7 +37,8 @@ def asked(monkeypatch) -> list[str]:
     monkeypatch.setattr(module, "alike_in", lambda _, __, each: each.there)
     monkeypatch.setattr(module, "shared_area", lambda *_: 1.0)
     monkeypatch.setattr(module, "form_log_odds", lambda _, __, form, *___: form)
-    monkeypatch.setattr(module, "place_chances", lambda _, by_form: by_form)
+    monkeypatch.setattr(module, "place_chances", lambda _, by_form, __: by_form)
+    monkeypatch.setattr(module, "are_rivals", lambda *_: None)
     return laid
 
 

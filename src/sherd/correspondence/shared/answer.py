@@ -32,6 +32,7 @@ from sherd.correspondence.shared.judgment import (
 from sherd.correspondence.shared.likeness import Likeness
 from sherd.correspondence.shared.places_by_form import labelings_by_form
 from sherd.correspondence.shared.relief import alike_in, form
+from sherd.correspondence.shared.rivals import are_rivals
 from sherd.correspondence.shared.two_way_placement import SharedPlacement, placed_together
 from sherd.correspondence.shared.viewed import are_views, viewed_problems
 from sherd.correspondence.working_placement import Queries
@@ -190,4 +191,5 @@ class _Judge:
             )
             for each in answers
         ]
-        return place_chances([each.log_odds for each in answers], by_form)
+        rivals = are_rivals(self.questions, [each.placements for each in answers])
+        return place_chances([each.log_odds for each in answers], by_form, rivals)

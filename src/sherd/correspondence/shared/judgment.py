@@ -8,7 +8,7 @@ from functools import partial
 import numpy as np
 from scipy.spatial import cKDTree
 
-from sherd.arrays import Floats, Ints
+from sherd.arrays import Bools, Floats, Ints
 from sherd.correspondence.confidence import LEAST, MOST, confidences
 from sherd.correspondence.labels.two_way import Both, TwoLabelings
 from sherd.correspondence.question import Question
@@ -219,21 +219,27 @@ def form_log_odds(likeness: Likeness | None, is_open: float, form: float, area: 
     return float(features @ np.array(FORM_COEFFICIENTS))
 
 
-def place_chances(by_labels: Sequence[float], by_form: Sequence[float]) -> Floats:
-    """The chance (k,) of each of several places, of which one is right or none.
+def place_chances(
+    by_labels: Sequence[float], by_form: Sequence[float], rivals: Bools
+) -> Floats:
+    """The chance (k,) of each of several answers, of whose places one is right or none.
 
     A conditional logit (McFadden, *Conditional logit analysis of qualitative choice behavior*,
-    1974): `exp(u) / (1 + sum of exp(u))` with `u = (1, by_labels, by_form) @ coefficients`, and 1
-    for none. So a place that another one nearly equals is not likely, however much speaks for it.
+    1974): `exp(u) / (1 + sum of exp(u))` with `u = (1, by_labels, by_form) @ coefficients`, the sum
+    over the answer itself and its rivals, and 1 for none. So a place that another one nearly equals
+    is not likely, however much speaks for it.
 
     Parameters
     ----------
     by_labels, by_form
         :func:`overlap_log_odds` and :func:`form_log_odds` of each.
+    rivals
+        (k, k) bool, see :func:`sherd.correspondence.shared.rivals.are_rivals`: answers at one place
+        do not contradict each other.
     """
     features = np.stack([np.ones(len(by_labels)), by_labels, by_form], axis=1)
     odds = np.exp(features @ np.array(PLACE_COEFFICIENTS))
-    chances: Floats = odds / (1.0 + odds.sum())
+    chances: Floats = odds / (1.0 + odds + rivals @ odds)
     return chances
 
 
