@@ -9,8 +9,10 @@ import pytest
 
 from sherd.correspondence.shared.judgment import (
     form_log_odds,
+    further_chance,
     mirror_is_better,
     mirror_says_something,
+    most_chance,
     overlap_chance,
     overlap_log_odds,
     place_chances,
@@ -27,7 +29,7 @@ def chance(**changes: float) -> float:
     told = SimpleNamespace(**{**WELL, **changes}, first_ratio=0.5)
     likeness = Likeness(0.02, told.leading, told.handed)
     log_odds = overlap_log_odds(told, told.mirrored, likeness, told.open)
-    return overlap_chance(told, told.mirrored, log_odds)
+    return overlap_chance(log_odds, most_chance(told, told.mirrored))
 
 
 def test_what_agrees_is_alike_and_misses_nothing_is_sure() -> None:
@@ -59,7 +61,8 @@ def test_what_is_right_and_lacks_half_of_what_is_shared_is_doubted() -> None:
 def test_where_too_little_is_shared_to_be_judged_it_is_not_believed() -> None:
     labelings = SimpleNamespace(agreement=1.0, lack=0.0, first_ratio=0.2)
     log_odds = overlap_log_odds(labelings, 0.9, None, 0.0)
-    assert overlap_chance(labelings, 0.9, log_odds) < 0.01
+    assert overlap_chance(log_odds, most_chance(labelings, 0.9)) < 0.01
+    assert further_chance(log_odds, log_odds) < 0.01
     assert form_log_odds(None, 0.0, 0.9, 0.5) == log_odds
     assert list(place_chances([-9.0, log_odds], [-9.0, log_odds], apart(2))[1:]) == [0.0]
 
@@ -147,3 +150,11 @@ def test_answers_at_one_place_do_not_contradict_each_other() -> None:
     alone = place_chances(by_labels[:1], by_form[:1], apart(1))[0]
     assert list(place_chances(by_labels, by_form, np.zeros((2, 2), bool))) == [alone, alone]
     assert place_chances(by_labels, by_form, apart(2)).max() < 0.5
+
+
+def test_a_further_place_needs_both_kinds_of_evidence() -> None:
+    """For the best of six wrong answers labels or form speak, not both so clearly."""
+    assert further_chance(6.0, 3.0) > 0.65
+    assert further_chance(2.4, 2.4) < 0.5
+    assert further_chance(5.7, 0.5) < 0.5
+    assert further_chance(-1.0, 3.5) < 0.5

@@ -252,7 +252,7 @@ def _continued(problems: Both[Problem], chance: Both[float], tried: list[Agreed]
 
 
 def finished(problems: Both[Problem], chance: Both[float], best: Agreed) -> Agreed:
-    """One answer in further rounds, as long as it saves more; see `FINISHING` and `FILLING_PRICE`."""
+    """One answer in further rounds, while it saves more; see `FINISHING` and `FILLING_PRICE`."""
     for _ in range(FINISHING):
         again = _agreed(problems, chance, best.found, inside=LIMIT, labeled=_labeled_again)
         if again.saved <= best.saved:
