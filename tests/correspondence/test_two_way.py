@@ -10,13 +10,17 @@ import pytest
 from scipy.spatial import cKDTree
 
 from sherd.correspondence.labels import two_way
-from sherd.correspondence.labels.inverse import COVERED, closing_nodes, inverse_labeling
+from sherd.correspondence.labels.inverse import (
+    COVERED,
+    closing_nodes,
+    following,
+    inverse_labeling,
+)
 from sherd.correspondence.labels.labeling import Labeling, Problem, labeling_problem
 from sherd.correspondence.labels.saved import PRICE_SHARE
 from sherd.correspondence.labels.two_way import (
     Agreed,
     TwoLabelings,
-    _following,
     finished,
     labeled_around,
     two_way_labelings,
@@ -78,14 +82,14 @@ def test_a_direction_that_keeps_nothing_is_the_inverse_of_the_other_again(
 ) -> None:
     problems, inverse = (there, back), inverse_labeling(back, truth)
     nothing = replace(inverse, placed=np.zeros(len(inverse.labels), dtype=bool))
-    kept = _following(problems, (truth, nothing))
+    kept = following(problems, (truth, nothing))
     assert kept[0] is truth
     assert (kept[1].placed == inverse.placed).all()
     assert (kept[1].labels == inverse.labels).all()
     lost = replace(truth, placed=np.zeros(len(truth.labels), dtype=bool))
-    assert _following(problems, (lost, inverse))[0].placed.any()
+    assert following(problems, (lost, inverse))[0].placed.any()
     for pair in ((truth, inverse), (lost, nothing)):
-        assert _following(problems, pair) == pair
+        assert following(problems, pair) == pair
 
 
 @pytest.fixture(scope="module")
