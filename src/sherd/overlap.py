@@ -115,7 +115,7 @@ def overlap(
 
     Notes
     -----
-    Costs 0.7 to 1.6 times what :func:`sherd.match` does, and three to four times as much where the
+    Costs 0.7 to 1.6 times what :func:`sherd.match` does, and about three times as much where the
     first answer is not sure.
 
     Examples

@@ -12,7 +12,7 @@ from sherd.correspondence.labels.inverse import inverse_labeling
 from sherd.correspondence.labels.labeling import Labeling, Problem, labeling_problem
 from sherd.correspondence.labels.local_groups import CANDIDATES, local_groups
 from sherd.correspondence.labels.places import UNEQUAL, followed, further_labelings
-from sherd.correspondence.labels.two_way import Agreed, TwoLabelings, two_way_labelings
+from sherd.correspondence.labels.two_way import TwoLabelings, two_way_labelings
 from sherd.correspondence.shared import places_by_form
 from sherd.correspondence.shared.places_by_form import labelings_by_form
 from sherd.correspondence.shared.relief import alike_at_labels
@@ -134,6 +134,17 @@ def test_the_place_that_goes_on_is_the_one_whose_form_is_alike(
     assert most_right(planted, labelings_by_form(problems, reverse, nowhere)) < 0.2
 
 
+def test_the_starts_that_are_labeled_are_those_most_alike_in_form(
+    planted, there, back, nowhere, forms, monkeypatch
+) -> None:
+    """Groups know before any round whether their form is alike; most are never labeled."""
+    monkeypatch.setattr(places_by_form, "BEGUN", 2)
+    problems = (there, back)
+    assert most_right(planted, labelings_by_form(problems, forms, nowhere)) > 0.8
+    reverse = (forms[0], -forms[1])
+    assert most_right(planted, labelings_by_form(problems, reverse, nowhere)) < 0.2
+
+
 def test_places_by_form_are_different_and_not_known(there, back, nowhere, forms) -> None:
     problems = (there, back)
     found = labelings_by_form(problems, forms, nowhere)
@@ -150,7 +161,7 @@ def test_forms_are_alike_at_right_labels_and_prove_more_on_more_nodes(
     labelings = (right.forward, right.backward)
 
     def proved(found, agrees) -> float:
-        return alike_at_labels(forms, (there, back), Agreed(found, agrees, (0, 0), 0.0))
+        return alike_at_labels(forms, (there, back), found, agrees)
 
     whole = proved(labelings, kept)
     assert whole > 0.8 * np.sqrt(np.mean(kept_areas((there, back), right)))

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 from sherd.correspondence.shared.judgment import (
     form_log_odds,
+    further_chance,
     mirror_is_better,
     mirror_says_something,
+    most_chance,
     overlap_chance,
     overlap_log_odds,
     place_chances,
@@ -26,7 +29,7 @@ def chance(**changes: float) -> float:
     told = SimpleNamespace(**{**WELL, **changes}, first_ratio=0.5)
     likeness = Likeness(0.02, told.leading, told.handed)
     log_odds = overlap_log_odds(told, told.mirrored, likeness, told.open)
-    return overlap_chance(told, told.mirrored, log_odds)
+    return overlap_chance(log_odds, most_chance(told, told.mirrored))
 
 
 def test_what_agrees_is_alike_and_misses_nothing_is_sure() -> None:
@@ -58,9 +61,10 @@ def test_what_is_right_and_lacks_half_of_what_is_shared_is_doubted() -> None:
 def test_where_too_little_is_shared_to_be_judged_it_is_not_believed() -> None:
     labelings = SimpleNamespace(agreement=1.0, lack=0.0, first_ratio=0.2)
     log_odds = overlap_log_odds(labelings, 0.9, None, 0.0)
-    assert overlap_chance(labelings, 0.9, log_odds) < 0.01
+    assert overlap_chance(log_odds, most_chance(labelings, 0.9)) < 0.01
+    assert further_chance(log_odds, log_odds) < 0.01
     assert form_log_odds(None, 0.0, 0.9, 0.5) == log_odds
-    assert list(place_chances([-9.0, log_odds], [-9.0, log_odds])[1:]) == [0.0]
+    assert list(place_chances([-9.0, log_odds], [-9.0, log_odds], apart(2))[1:]) == [0.0]
 
 
 def test_a_mirror_image_that_is_better_by_accident_says_nothing() -> None:
@@ -95,6 +99,11 @@ def test_a_chance_is_never_certain() -> None:
     assert 0.99 < chance(**best) < 1.0
 
 
+def apart(count: int) -> np.ndarray:
+    """All of so many answers lie at different places."""
+    return ~np.eye(count, dtype=bool)
+
+
 def place(**changes: float) -> float:
     """By form, of an answer at the right place, but for the changes."""
     told = {"leading": 0.75, "open": 0.3, "form": 0.6, "area": 0.4, **changes}
@@ -114,22 +123,38 @@ def test_form_proves_more_on_a_large_area_than_on_a_small_one() -> None:
 
 
 def test_of_several_places_one_is_right_or_none() -> None:
-    chances = place_chances([-1.0, 2.0, 0.0], [2.0, 1.0, -4.0])
+    chances = place_chances([-1.0, 2.0, 0.0], [2.0, 1.0, -4.0], apart(3))
     assert 0.8 < chances.sum() < 1.0
-    assert place_chances([-4.0], [-4.0]).sum() < 0.3
+    assert place_chances([-4.0], [-4.0], apart(1)).sum() < 0.3
 
 
 def test_a_place_that_another_one_nearly_equals_is_not_likely() -> None:
     """However much speaks for it: a cow on a lion, 0.6 of the area, head on tail."""
-    alone = place_chances([-0.9], [2.3])[0]
+    alone = place_chances([-0.9], [2.3], apart(1))[0]
     assert alone > 0.65
-    both = place_chances([-0.9, 2.1], [2.3, 2.8])
+    both = place_chances([-0.9, 2.1], [2.3, 2.8], apart(2))
     assert both[0] < 0.5 < both[1] + 0.15
 
 
 def test_labels_and_form_both_say_which_place_it_is() -> None:
-    even = place_chances([0.0, 0.0], [0.0, 0.0])
-    by_labels = place_chances([0.0, 3.0], [0.0, 0.0])
-    by_form = place_chances([0.0, 0.0], [0.0, 3.0])
+    even = place_chances([0.0, 0.0], [0.0, 0.0], apart(2))
+    by_labels = place_chances([0.0, 3.0], [0.0, 0.0], apart(2))
+    by_form = place_chances([0.0, 0.0], [0.0, 3.0], apart(2))
     assert by_labels[1] > even[1] + 0.05
     assert by_form[1] > even[1] + 0.2
+
+
+def test_answers_at_one_place_do_not_contradict_each_other() -> None:
+    """A twentieth of a lion found twice: each was half as likely as it is."""
+    by_labels, by_form = [2.0, 2.0], [3.0, 3.0]
+    alone = place_chances(by_labels[:1], by_form[:1], apart(1))[0]
+    assert list(place_chances(by_labels, by_form, np.zeros((2, 2), bool))) == [alone, alone]
+    assert place_chances(by_labels, by_form, apart(2)).max() < 0.5
+
+
+def test_a_further_place_needs_both_kinds_of_evidence() -> None:
+    """For the best of six wrong answers labels or form speak, not both so clearly."""
+    assert further_chance(6.0, 3.0) > 0.65
+    assert further_chance(2.4, 2.4) < 0.5
+    assert further_chance(5.7, 0.5) < 0.5
+    assert further_chance(-1.0, 3.5) < 0.5

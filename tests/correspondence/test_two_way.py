@@ -3,14 +3,28 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
-from sherd.correspondence.labels.inverse import COVERED, closing_nodes, inverse_labeling
+from sherd.correspondence.labels import two_way
+from sherd.correspondence.labels.inverse import (
+    COVERED,
+    closing_nodes,
+    following,
+    inverse_labeling,
+)
 from sherd.correspondence.labels.labeling import Labeling, Problem, labeling_problem
-from sherd.correspondence.labels.two_way import TwoLabelings, _following, two_way_labelings
+from sherd.correspondence.labels.saved import PRICE_SHARE
+from sherd.correspondence.labels.two_way import (
+    Agreed,
+    TwoLabelings,
+    finished,
+    labeled_around,
+    two_way_labelings,
+)
 
 SHIFTS = 16
 SPACING = 0.05
@@ -68,14 +82,14 @@ def test_a_direction_that_keeps_nothing_is_the_inverse_of_the_other_again(
 ) -> None:
     problems, inverse = (there, back), inverse_labeling(back, truth)
     nothing = replace(inverse, placed=np.zeros(len(inverse.labels), dtype=bool))
-    kept = _following(problems, (truth, nothing))
+    kept = following(problems, (truth, nothing))
     assert kept[0] is truth
     assert (kept[1].placed == inverse.placed).all()
     assert (kept[1].labels == inverse.labels).all()
     lost = replace(truth, placed=np.zeros(len(truth.labels), dtype=bool))
-    assert _following(problems, (lost, inverse))[0].placed.any()
+    assert following(problems, (lost, inverse))[0].placed.any()
     for pair in ((truth, inverse), (lost, nothing)):
-        assert _following(problems, pair) == pair
+        assert following(problems, pair) == pair
 
 
 @pytest.fixture(scope="module")
@@ -99,3 +113,27 @@ def test_swapping_the_shapes_swaps_the_labelings(there, back, both) -> None:
     assert (swapped.forward_agrees == both.backward_agrees).all()
     assert (swapped.backward.labels == both.forward.labels).all()
     assert swapped.agreement == both.agreement
+
+
+def saving(monkeypatch, *, again: list[float], filled: float) -> tuple[Agreed, list[float]]:
+    """What is left of an answer that saves 1, by what rounds save, and the price of each round."""
+    left, prices = list(again), []
+
+    def round_of(*_: Any, labeled: Any, price: float = PRICE_SHARE, **__: Any) -> Agreed:
+        prices.append(price)
+        gained = filled if labeled is labeled_around else left.pop(0)
+        return Agreed(nothing, nothing, (0, 0), gained)
+
+    nothing: Any = (None, None)
+    monkeypatch.setattr(two_way, "_agreed", round_of)
+    begun = Agreed(nothing, nothing, (0, 0), 1.0)
+    return finished(nothing, (1.0, 1.0), begun), prices
+
+
+def test_what_is_kept_grows_at_last_into_what_did_not_agree(monkeypatch) -> None:
+    """Where nowhere costs as much as at the start, if that saves more by the price of half."""
+    best, prices = saving(monkeypatch, again=[2.0, 1.5], filled=3.0)
+    assert best.saved == 3.0
+    assert prices == [PRICE_SHARE, PRICE_SHARE, two_way.STARTING_PRICE]
+    best, _ = saving(monkeypatch, again=[2.0, 1.5], filled=1.8)
+    assert best.saved == 2.0

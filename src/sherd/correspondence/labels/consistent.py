@@ -28,6 +28,7 @@ from sherd.correspondence.labels.labeling import (
 
 __all__ = [
     "PLACE_WIDTH",
+    "SAME_PLACE",
     "consistent_groups",
     "consistent_nodes",
     "missing_area",

@@ -8,7 +8,7 @@ from sherd.arrays import Bools, Floats, Ints
 from sherd.correspondence.labels.anchors import turned_by_guides
 from sherd.correspondence.labels.labeling import NOWHERE_COST, Labeling, Problem
 
-__all__ = ["closing_nodes", "inverse_labeling", "inverse_labels"]
+__all__ = ["closing_nodes", "following", "inverse_labeling", "inverse_labels"]
 
 # So many nodes of the other shape say where a node lies; further ones lie two spacings away.
 INVERSE = 4
@@ -41,6 +41,22 @@ def inverse_labeling(problem: Problem, other: Labeling) -> Labeling:
     local = np.where(placed, 0.0, NOWHERE_COST)
     start = Labeling(labels, rotations, local, np.inf, placed)
     return turned_by_guides(problem, start)
+
+
+def following(
+    problems: tuple[Problem, Problem], kept: tuple[Labeling, Labeling]
+) -> tuple[Labeling, Labeling]:
+    """Where one direction keeps nothing it follows the other one again in the next round.
+
+    A piece finds its place on a larger one, of which it lacks the most; the larger one hears of
+    that and still lays what it shares on a twin, with which it agrees as well as with itself.
+    """
+    forward, backward = kept
+    if forward.placed.any() == backward.placed.any():
+        return kept
+    if forward.placed.any():
+        return forward, inverse_labeling(problems[1], forward)
+    return inverse_labeling(problems[0], backward), backward
 
 
 def closing_nodes(problem: Problem, own: Labeling, other: Labeling) -> Bools:

@@ -13,16 +13,18 @@ from functools import partial
 import numpy as np
 
 from sherd.arrays import Floats
+from sherd.correspondence.confidence import LEAST
 from sherd.correspondence.labels.labeling import Problem
 from sherd.correspondence.labels.two_way import Both, TwoLabelings, two_way_labelings
 from sherd.correspondence.plausibility import mirrored_energies
 from sherd.correspondence.question import Question
 from sherd.correspondence.shared.judgment import (
-    FURTHER_CHANCE,
     form_log_odds,
+    further_chance,
     likeness_of_both,
     mirror_is_better,
     mirror_says_something,
+    most_chance,
     most_open,
     overlap_chance,
     overlap_log_odds,
@@ -32,6 +34,7 @@ from sherd.correspondence.shared.judgment import (
 from sherd.correspondence.shared.likeness import Likeness
 from sherd.correspondence.shared.places_by_form import labelings_by_form
 from sherd.correspondence.shared.relief import alike_in, form
+from sherd.correspondence.shared.rivals import are_rivals
 from sherd.correspondence.shared.two_way_placement import SharedPlacement, placed_together
 from sherd.correspondence.shared.viewed import are_views, viewed_problems
 from sherd.correspondence.working_placement import Queries
@@ -44,6 +47,8 @@ __all__ = ["SharedAnswer", "shared_answer"]
 # What knows what viewers could not see is believed where it is half as likely as what does not know
 # it: each of them shares its chance with the place that it began from.
 VIEWED = 2.0
+# No chance was fitted on what viewers saw, so it is never called good.
+VIEWED_CHANCE = 0.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,7 +64,9 @@ class SharedAnswer:
     log_odds
         That the answer as a whole is right, by its labels and what is seen inside.
     chance
-        The same as a chance, capped where something forbids to believe it.
+        The same as a chance, or a better one where other places were asked.
+    most
+        What the chance may be at the most, where something forbids to believe it.
     twin
         Whether the mirror image of one shape is more alike the other, at the same place too.
     """
@@ -69,6 +76,7 @@ class SharedAnswer:
     is_open: float
     log_odds: float
     chance: float
+    most: float
     twin: bool
 
 
@@ -83,7 +91,9 @@ def shared_answer(
 ) -> SharedAnswer:
     """Lay both shapes on each other by the labeling that saves most, or where they fit better.
 
-    An answer at another place is as likely as both chances say, and at most `FURTHER_CHANCE`.
+    What saves most, and fits best of all places, is as likely as its place is beside the others;
+    views of one camera are not, whose place may be right and half of them laid wrongly. An answer
+    at another place is as likely as all that is said of it: see :func:`further_chance`.
 
     Parameters
     ----------
@@ -106,7 +116,8 @@ def shared_answer(
     others = labelings_by_form(problems, judge.forms, labelings)
     places = side_by_side(partial(laid, each) for each in others)
     answers = [first, *(judge.answer(*each) for each in zip(others, places, strict=True))]
-    there = judge.place_chances(answers)
+    by_form = [judge.by_form(each) for each in answers]
+    there = judge.place_chances(answers, by_form)
     preference = np.ones(len(answers))
     if are_views(questions):
         # where viewers stood may be right though the place is not
@@ -114,13 +125,20 @@ def shared_answer(
         seen = [_labelings_of_viewers(questions, answers[each], seed) for each in begun]
         places = side_by_side(partial(laid, each) for each in seen)
         answers += [judge.answer(*each) for each in zip(seen, places, strict=True)]
-        there = judge.place_chances(answers)
+        by_form = [judge.by_form(each) for each in answers]
+        there = judge.place_chances(answers, by_form)
         preference = np.append(preference, np.full(len(seen), VIEWED))
     surest = int(np.argmax(there * preference))
-    if surest == 0:
-        return first
-    best = answers[surest]
-    return replace(best, chance=min(best.chance, float(there[surest]), FURTHER_CHANCE))
+    best, place = answers[surest], float(there[surest])
+    if surest > len(others):
+        chance = min(best.chance, place, VIEWED_CHANCE)
+    elif surest > 0:
+        chance = min(best.chance, place, further_chance(best.log_odds, by_form[surest]))
+    elif are_views(questions):
+        chance = first.chance
+    else:
+        chance = float(np.clip(place, LEAST, first.most))
+    return replace(best, chance=chance)
 
 
 def _labelings_of_viewers(
@@ -170,24 +188,24 @@ class _Judge:
             mirrored = self.mirrored_ratio
         is_open = most_open(self.questions, placements)
         log_odds = overlap_log_odds(labelings, mirrored, likeness, is_open)
+        most = most_chance(labelings, mirrored)
         return SharedAnswer(
             placements,
             likeness,
             is_open,
             log_odds,
-            chance=overlap_chance(labelings, mirrored, log_odds),
+            chance=overlap_chance(log_odds, most),
+            most=most,
             twin=mirror_is_better(labelings.first_ratio, mirrored),
         )
 
-    def place_chances(self, answers: list[SharedAnswer]) -> Floats:
-        """How likely each of several answers is beside the others; the first one saves most."""
-        by_form = [
-            form_log_odds(
-                each.likeness,
-                each.is_open,
-                alike_in(self.forms, self.questions, each.placements),
-                shared_area(self.questions, each.placements),
-            )
-            for each in answers
-        ]
-        return place_chances([each.log_odds for each in answers], by_form)
+    def by_form(self, answer: SharedAnswer) -> float:
+        """The logarithm of the odds that an answer lies at the right place, by its form."""
+        alike = alike_in(self.forms, self.questions, answer.placements)
+        area = shared_area(self.questions, answer.placements)
+        return form_log_odds(answer.likeness, answer.is_open, alike, area)
+
+    def place_chances(self, answers: list[SharedAnswer], by_form: list[float]) -> Floats:
+        """How likely each of several answers is beside the others."""
+        rivals = are_rivals(self.questions, [each.placements for each in answers])
+        return place_chances([each.log_odds for each in answers], by_form, rivals)

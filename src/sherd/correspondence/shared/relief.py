@@ -17,10 +17,10 @@ import math
 import numpy as np
 from scipy.stats import rankdata
 
-from sherd.arrays import Floats
+from sherd.arrays import Bools, Floats
 from sherd.correspondence.labels.consistent import node_areas
-from sherd.correspondence.labels.labeling import Problem
-from sherd.correspondence.labels.two_way import Agreed, Both
+from sherd.correspondence.labels.labeling import Labeling, Problem
+from sherd.correspondence.labels.two_way import Both
 from sherd.correspondence.question import Question
 from sherd.correspondence.shared.two_way_placement import SharedPlacement
 from sherd.mesh.geometry import angle_defects
@@ -103,12 +103,14 @@ def alike_in(
     return float(np.mean([_alike(*each) for each in both]))
 
 
-def alike_at_labels(fields: Both[Floats], problems: Both[Problem], agreed: Agreed) -> float:
+def alike_at_labels(
+    fields: Both[Floats], problems: Both[Problem], found: Both[Labeling], kept: Both[Bools]
+) -> float:
     """How alike what is known of two shapes is where nodes have labels, times the root of the area.
 
-    As :func:`alike_in`, of the nodes that agree and not of all vertices, before anything is laid. A
-    rank correlation of n independent places scatters by 1 / sqrt(n) where nothing is alike, so what
-    it proves grows with the root of the area.
+    As :func:`alike_in`, of the nodes that are kept and not of all vertices, before anything is
+    laid. A rank correlation of n independent places scatters by 1 / sqrt(n) where nothing is alike,
+    so what it proves grows with the root of the area.
 
     Parameters
     ----------
@@ -116,13 +118,13 @@ def alike_at_labels(fields: Both[Floats], problems: Both[Problem], agreed: Agree
         (n,) and (m,), of the vertices of the second shape and of the first.
     problems
         The nodes of the second shape with labels of the first, and the other way around.
-    agreed
-        Labelings of both.
+    found, kept
+        Labelings of both, and (k,) the nodes of each that count.
     """
-    found, area = 0.0, 0.0
+    alike, area = 0.0, 0.0
     for side, problem in enumerate(problems):
-        labels, kept = agreed.found[side].labels, agreed.agrees[side]
-        areas = node_areas(problem) * kept
+        labels = found[side].labels
+        areas = node_areas(problem) * kept[side]
         depth = np.minimum(problem.node_depth, problem.label_depth[labels])
         trust = areas * np.clip(depth / CUT, 0.0, 1.0)
         rows = np.flatnonzero(trust > 0)
@@ -130,8 +132,8 @@ def alike_at_labels(fields: Both[Floats], problems: Both[Problem], agreed: Agree
         if len(rows) >= LEAST_NODES:
             here = fields[side][problem.nodes.vertices[rows]]
             there = fields[1 - side][problem.labels.vertices[labels[rows]]]
-            found += 0.5 * _correlation(rankdata(here), rankdata(there), trust[rows])
-    return found * math.sqrt(area)
+            alike += 0.5 * _correlation(rankdata(here), rankdata(there), trust[rows])
+    return alike * math.sqrt(area)
 
 
 def _alike(question: Question, place: SharedPlacement, own: Floats, other: Floats) -> float:
