@@ -155,11 +155,11 @@ class _Alone:
 
 @dataclass(frozen=True, eq=False)
 class Agreed:
-    """Both labelings after a round, placed where `agrees`; `placed` before, and what it saves."""
+    """Both labelings after a round, placed where `agrees`; the `agreement`, and what it saves."""
 
     found: Both[Labeling]
     agrees: Both[Bools]
-    placed: Both[int]
+    agreement: float
     saved: float
 
 
@@ -205,7 +205,7 @@ def described(
         *agreed.found,
         *agreed.agrees,
         chance,
-        agreement=_agreement(agreed),
+        agreement=agreed.agreement,
         worth=_saved_per_area(problems, agreed),
         lack=lack(problems, agreed.found, chance),
         first_ratio=first_ratio,
@@ -264,7 +264,8 @@ def finished(problems: Both[Problem], chance: Both[float], best: Agreed) -> Agre
     filled = _agreed(
         problems, chance, best.found, inside=LIMIT, labeled=labeled_around, price=FILLING_PRICE
     )
-    return filled if filled.saved > best.saved else best
+    # its nodes heard of little but what agrees, so that they agree now proves nothing
+    return replace(filled, agreement=best.agreement) if filled.saved > best.saved else best
 
 
 def _grown(problems: Both[Problem], chance: Both[float], tried: list[Agreed]) -> Agreed:
@@ -358,9 +359,8 @@ def _agreed(
     agrees = consistent_nodes(problems, found, closing, worth)
     # the next round hears only of what can be true together
     kept = (_only(found[0], agrees[0]), _only(found[1], agrees[1]))
-    placed = (int(found[0].placed.sum()), int(found[1].placed.sum()))
     gained = saved(problems, kept, chance)
-    return Agreed(following(problems, kept), agrees, placed, gained)
+    return Agreed(following(problems, kept), agrees, _agreement(found, agrees), gained)
 
 
 def _saved_per_area(problems: Both[Problem], agreed: Agreed) -> float:
@@ -371,9 +371,9 @@ def _saved_per_area(problems: Both[Problem], agreed: Agreed) -> float:
     return agreed.saved / kept if kept > 0 else 0.0
 
 
-def _agreement(agreed: Agreed) -> float:
-    pairs = zip(agreed.agrees, agreed.placed, strict=True)
-    shares = [int(kept.sum()) / max(placed, 1) for kept, placed in pairs]
+def _agreement(found: Both[Labeling], agrees: Both[Bools]) -> float:
+    pairs = zip(found, agrees, strict=True)
+    shares = [int(kept.sum()) / max(int(each.placed.sum()), 1) for each, kept in pairs]
     return float(np.sqrt(shares[0] * shares[1]))
 
 
