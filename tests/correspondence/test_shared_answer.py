@@ -5,6 +5,7 @@ from __future__ import annotations
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 
 from sherd.correspondence.shared import answer as module
@@ -43,7 +44,7 @@ def asked(monkeypatch) -> list[str]:
     monkeypatch.setattr(module, "alike_in", lambda _, __, each: each.there)
     monkeypatch.setattr(module, "shared_area", lambda *_: 1.0)
     monkeypatch.setattr(module, "form_log_odds", lambda _, __, form, *___: form)
-    monkeypatch.setattr(module, "place_chances", lambda _, by_form, __: by_form)
+    monkeypatch.setattr(module, "place_chances", lambda _, by_form, __: np.array(by_form))
     monkeypatch.setattr(module, "are_rivals", lambda *_: None)
     return laid
 
@@ -107,13 +108,13 @@ def test_what_saves_most_is_not_believed_where_something_forbids_it(monkeypatch,
 def test_what_viewers_saw_is_preferred_and_never_good(monkeypatch, asked) -> None:
     """It begins where the others lie, so it shares their chance; it knows more."""
     monkeypatch.setattr(module, "are_views", lambda _: True)
-    seen = iter([labeling("seen", chance=0.99, there=0.3), labeling("also", chance=0.9, there=0.1)])
+    seen = iter([labeling("seen", chance=0.99, there=0.4), labeling("also", chance=0.9, there=0.1)])
     monkeypatch.setattr(module, "_labelings_of_viewers", lambda *_: next(seen))
     first = labeling("first", chance=0.3, there=0.2)
     best = answered(monkeypatch, first, labeling("other", chance=0.9, there=0.5))
     assert sorted(asked) == ["also", "first", "other", "seen"]
     assert best.placements.name == "seen"
-    assert best.chance == 0.3
+    assert best.chance == 0.4
     seen = iter([labeling("seen", chance=0.99, there=0.9), labeling("also", chance=0.9, there=0.1)])
     best = answered(monkeypatch, first, labeling("other", chance=0.9, there=0.5))
     assert best.chance == module.VIEWED_CHANCE < SURE

@@ -44,8 +44,8 @@ from sherd.threads import cached_property, side_by_side
 __all__ = ["SharedAnswer", "shared_answer"]
 
 
-# What knows what viewers could not see is believed where it is half as likely as what does not know
-# it: each of them shares its chance with the place that it began from.
+# What knows what viewers could not see is believed where its odds are half of those of what does
+# not know it.
 VIEWED = 2.0
 # No chance was fitted on what viewers saw, so it is never called good.
 VIEWED_CHANCE = 0.5
@@ -128,7 +128,7 @@ def shared_answer(
         by_form = [judge.by_form(each) for each in answers]
         there = judge.place_chances(answers, by_form)
         preference = np.append(preference, np.full(len(seen), VIEWED))
-    surest = int(np.argmax(there * preference))
+    surest = int(np.argmax(preference * there / (1.0 - there)))
     best, place = answers[surest], float(there[surest])
     if surest > len(others):
         chance = min(best.chance, place, VIEWED_CHANCE)
