@@ -1,0 +1,137 @@
+"""Maps that lie beside their place slide back to it; elsewhere there is nothing to slide to."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from sherd.arrays import Floats
+from sherd.correspondence.elastic_kernel import fit_rotations
+from sherd.correspondence.labels.two_way import Both
+from sherd.correspondence.question import Question
+from sherd.correspondence.registration import Deformation
+from sherd.correspondence.shared.relief import alike_in_relief
+from sherd.correspondence.shared.round_trip import round_trip
+from sherd.correspondence.shared.two_way_placement import SharedPlacement
+from sherd.mesh.surface_points import closest_points
+from sherd.overlap import questions_of
+from sherd.puzzle.growing.join_chance import UNLIKE
+from sherd.puzzle.growing.meeting import Meeting
+from sherd.puzzle.growing.sliding import slid, slid_join
+from sherd.puzzle.growing.union import Join, Union
+from sherd.results.overlap_options import OverlapOptions
+from sherd.shapes import creature
+from sherd.surface.prepared import described_part
+
+# As far off as right answers are where skin stretches.
+BESIDE = 0.04
+HALF_TURN = np.array([1.0, -1.0, -1.0])
+
+
+@pytest.fixture(scope="module")
+def questions() -> Both[Question]:
+    """Walking on standing, and back."""
+    standing, walking = creature(5000), creature(5000, pose="walk")
+    surfaces = tuple(described_part(mesh, standing.length) for mesh in (standing, walking))
+    return questions_of(surfaces, np.empty((0, 2), dtype=np.int64), unknown=False)
+
+
+def true_places(question: Question) -> Floats:
+    """Where each vertex of the part's working mesh lies; both shapes have the same vertices."""
+    at = closest_points(question.part.placed, question.part.mesh.vertices)
+    return at.interpolate(question.part.placed, question.full.placed.vertices)
+
+
+def laid(questions: Both[Question], images: Both[Floats]) -> Both[SharedPlacement]:
+    """Both shapes with their vertices at the places under their images."""
+    deformations = []
+    for question, image in zip(questions, images, strict=True):
+        places = closest_points(question.full.mesh, image).positions(question.full.mesh)
+        deformations.append(Deformation(places, fit_rotations(question.part.elastic, places)))
+    placements = []
+    for question, own, other in zip(questions, deformations, deformations[::-1], strict=True):
+        count = question.part.mesh.vertex_count
+        trip = round_trip(question, own, other)
+        none = np.zeros(count)
+        placements.append(
+            SharedPlacement(own, trip, np.ones(count, dtype=bool), none, none, np.empty(0))
+        )
+    return placements[0], placements[1]
+
+
+def error(questions: Both[Question], placements: Both[SharedPlacement]) -> float:
+    return float(
+        np.mean(
+            [
+                np.linalg.norm(place.trip.there - true_places(question), axis=1)[
+                    place.shared
+                ].mean()
+                for question, place in zip(questions, placements, strict=True)
+            ]
+        )
+    )
+
+
+def moved(questions: Both[Question], placements: Both[SharedPlacement]) -> Both[SharedPlacement]:
+    return slid(questions, placements, strain=OverlapOptions().strain)
+
+
+def test_what_lies_beside_its_place_slides_to_it(questions) -> None:
+    truths = [true_places(question) for question in questions]
+    forward = np.eye(3)[np.ptp(truths[0], axis=0).argmax()]
+    beside = laid(questions, (truths[0] + BESIDE * forward, truths[1] - BESIDE * forward))
+    found = moved(questions, beside)
+    assert error(questions, beside) > 0.6 * BESIDE
+    assert error(questions, found) < 0.4 * error(questions, beside)
+    assert alike_in_relief(questions, found) > alike_in_relief(questions, beside) + 0.2
+    for place in found:
+        assert place.shared.mean() > 0.8
+
+
+def test_what_lies_right_stays(questions) -> None:
+    images = (true_places(questions[0]), true_places(questions[1]))
+    assert error(questions, moved(questions, laid(questions, images))) < 0.01
+
+
+def test_what_lies_elsewhere_finds_no_relief_to_slide_to(questions) -> None:
+    images = []
+    for question in questions:
+        center = question.full.mesh.vertices.mean(axis=0)
+        images.append((true_places(question) - center) * HALF_TURN + center)
+    found = moved(questions, laid(questions, (images[0], images[1])))
+    assert alike_in_relief(questions, found) < UNLIKE
+
+
+def test_where_nothing_is_shared_nothing_moves(questions) -> None:
+    images = (true_places(questions[0]), true_places(questions[1]))
+    apart = laid(questions, images)
+    for place in apart:
+        place.shared[:] = False
+    assert moved(questions, apart) is apart
+
+
+def joined(questions: Both[Question], placements: Both[SharedPlacement]) -> Join:
+    unions = [
+        Union.of_piece(question.full.placed, number) for number, question in enumerate(questions)
+    ]
+    met = Meeting(questions, (None, None), placements, 0.9, twin=False)  # type: ignore[arg-type]
+    return Join(unions[0], unions[1], met)
+
+
+def test_a_join_keeps_its_chance_and_its_maps_slide(questions) -> None:
+    truths = [true_places(question) for question in questions]
+    forward = np.eye(3)[np.ptp(truths[0], axis=0).argmax()]
+    beside = laid(questions, (truths[0] + BESIDE * forward, truths[1] - BESIDE * forward))
+    join = joined(questions, beside)
+    found = slid_join(join)
+    assert found.met.chance == join.met.chance
+    assert error(questions, found.met.placements) < 0.4 * error(questions, beside)
+
+
+def test_a_join_whose_reliefs_a_slide_makes_less_alike_stays(questions, monkeypatch) -> None:
+    truths = [true_places(question) for question in questions]
+    forward = np.eye(3)[np.ptp(truths[0], axis=0).argmax()]
+    beside = laid(questions, (truths[0] + BESIDE * forward, truths[1] - BESIDE * forward))
+    join = joined(questions, laid(questions, (truths[0], truths[1])))
+    monkeypatch.setattr("sherd.puzzle.growing.sliding.slid", lambda *_, **__: beside)
+    assert slid_join(join) is join
