@@ -18,7 +18,6 @@ from sherd.overlap import check_overlap_sizes
 from sherd.puzzle.growing.growth import Growth, grown
 from sherd.puzzle.growing.joined_maps import direct_maps
 from sherd.puzzle.growing.meeting import Describe, Meeting, meeting
-from sherd.puzzle.growing.sliding import slid_join
 from sherd.puzzle.growing.union import Union
 from sherd.puzzle.pairs import pair_evidence
 from sherd.puzzle.synchronization import PieceMap, cycle_error, synchronized
@@ -109,7 +108,7 @@ def join(
         growth = grown(alone, evidence, partial(_met, options.seed, describe))
     originals = [intake.original for intake in intakes]
     with stages("synchronization"):
-        direct = direct_maps(originals, [slid_join(each) for each in growth.joins])
+        direct = direct_maps(originals, growth.joins)
         maps = synchronized(originals, direct, unit)
         errors = (
             cycle_error(originals, direct, unit),

@@ -31,3 +31,19 @@ def test_what_lies_nowhere_else_is_answered_as_it_is(monkeypatch) -> None:
     tube = bumpy_tube()
     tube = tube.with_vertices(tube.vertices * np.sqrt(front.mesh.area / tube.area))
     assert meeting(front.mesh, tube, 0).chance < SURE
+
+
+def test_what_may_lie_beside_its_place_slides_and_the_likelier_answer_counts(monkeypatch) -> None:
+    """A chance of 0.9 where it slid stands, one of 0 does not."""
+    full = creature(5000)
+    front = cut_by_ball(whole(full, full), landmarks(full)["nose"], 0.85)
+    back = cut_by_ball(whole(full, full), landmarks(full)["tail_tip"], 0.85)
+    moved = []
+    monkeypatch.setattr(module, "further_labelings", lambda *_: [])
+    monkeypatch.setattr(module, "may_lie_beside", lambda *_: True)
+    monkeypatch.setattr(module, "slid", lambda _, found, **__: moved.append(found) or found)
+    monkeypatch.setattr(module, "join_chance", lambda _: 0.3)
+    for chance, expected in ((0.9, 0.9), (0.0, 0.3)):
+        monkeypatch.setattr(module, "chance_where_it_slid", lambda *_, chance=chance: chance)
+        assert meeting(front.mesh, back.mesh, 0).chance == expected
+    assert len(moved) >= 2

@@ -29,7 +29,14 @@ from sherd.overlap import (
     queries_both_ways,
     questions_of,
 )
-from sherd.puzzle.growing.join_chance import fits_a_twin, join_chance, join_features
+from sherd.puzzle.growing.join_chance import (
+    chance_where_it_slid,
+    fits_a_twin,
+    join_chance,
+    join_features,
+    may_lie_beside,
+)
+from sherd.puzzle.growing.sliding import slid
 from sherd.results.advice import SURE
 from sherd.results.overlap_options import OverlapOptions
 from sherd.surface.described import DescribedSurface
@@ -135,7 +142,19 @@ def _answer(
     """Both surfaces laid on each other by one labeling of both, and how likely that is right."""
     placements = placed_together(questions, labelings, queries, strain=OverlapOptions().strain)
     features = join_features(labelings, questions, placements, seed)
-    return Meeting(questions, queries, placements, join_chance(features), fits_a_twin(features))
+    met = Meeting(questions, queries, placements, join_chance(features), fits_a_twin(features))
+    if may_lie_beside(features, questions, placements):
+        return max(met, _slid(met), key=_chance)
+    return met
+
+
+def _slid(met: Meeting) -> Meeting:
+    """The same where reliefs are most alike; what is sure there is not laid on its twin."""
+    found = slid(met.questions, met.placements, strain=OverlapOptions().strain)
+    if not all(place.shared.any() for place in found):
+        return met
+    chance = chance_where_it_slid(met.questions, found)
+    return replace(met, placements=found, chance=chance, twin=met.twin and chance < SURE)
 
 
 def _chance(met: Meeting) -> float:

@@ -27,17 +27,15 @@ from sherd.correspondence.elastic_kernel import fit_rotations
 from sherd.correspondence.labels.two_way import Both
 from sherd.correspondence.question import Question
 from sherd.correspondence.registration import Deformation
-from sherd.correspondence.shared.relief import alike_in_relief, relief
+from sherd.correspondence.shared.relief import alike_in, relief
 from sherd.correspondence.shared.two_way_placement import SharedPlacement, drawn_together
 from sherd.mesh.geometry import lengths, vertex_normals
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
-from sherd.puzzle.growing.union import Join
-from sherd.results.overlap_options import OverlapOptions
 from sherd.spectral.operators import gradient, stiffness
 from sherd.threads import side_by_side
 
-__all__ = ["slid", "slid_join"]
+__all__ = ["alike_in_reliefs", "slid"]
 
 # Bumps of these widths, in sqrt(area) of the larger piece: a slope says how far off its bump is up
 # to about its width, and right answers slide by 0.05 to 0.08; below the last one a slide of the
@@ -57,14 +55,9 @@ CUT = 2.0
 # Where nothing is seen the field is held by so little of what slopes hold it by elsewhere.
 LEAST_HOLD = 1e-3
 CG_TOLERANCE, CG_LIMIT = 1e-3, 200
-
-
-def slid_join(join: Join) -> Join:
-    """A join with what is shared where reliefs are most alike; as it was where that is not so."""
-    met = join.met
-    found = slid(met.questions, met.placements, strain=OverlapOptions().strain)
-    before, after = (alike_in_relief(met.questions, each) for each in (met.placements, found))
-    return replace(join, met=replace(met, placements=found)) if after > before else join
+# Both finer reliefs judge: the finest tells most, and the next one is not lost by what is left of a
+# slide.
+JUDGING = 2
 
 
 def slid(
@@ -97,6 +90,16 @@ def slid(
         replace(found[0], similarity=placements[0].similarity),
         replace(found[1], similarity=placements[1].similarity),
     )
+
+
+def alike_in_reliefs(questions: Both[Question], placements: Both[SharedPlacement]) -> float:
+    """How alike the reliefs of two pieces are where one lies on the other, in [-1, 1].
+
+    Mean over the finer of `WIDTHS`.
+    """
+    there, here = (_reliefs(question.full.mesh)[-JUDGING:] for question in questions)
+    both = zip(here, there, strict=True)
+    return float(np.mean([alike_in(fields, questions, placements) for fields in both]))
 
 
 # each question asks for those of both of its surfaces, many times
