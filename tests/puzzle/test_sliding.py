@@ -154,7 +154,7 @@ def test_what_slid_home_is_sure_and_what_slid_elsewhere_is_not(questions) -> Non
 
 @pytest.mark.parametrize(
     ("feature", "value", "expected"),
-    [(7, 0.0, True), (7, 0.6, False), (4, -0.4, False), (5, 0.5, False), (6, 0.5, False)],
+    [(7, 0.0, True), (7, 0.6, False), (4, -0.5, False), (5, 0.5, False), (6, 0.5, False)],
 )
 def test_what_is_likely_and_not_sure_may_lie_beside_its_place(
     questions, feature: int, value: float, expected: bool

@@ -102,9 +102,12 @@ def join_chance(features: Floats) -> float:
 def may_lie_beside(
     features: Floats, questions: Both[Question], placements: Both[SharedPlacement]
 ) -> bool:
-    """Whether an answer that is not sure may be right and lie beside its place."""
+    """Whether an answer that is not sure may be right and lie beside its place.
+
+    Its mirror image may fit better there; where it slid to it must not.
+    """
     likely = _but_for_likeness(features) >= LIKELY and features[LEADING] >= LED_BEFORE
-    if not likely or _fits_mirrored(features) or join_chance(features) >= SURE:
+    if not likely or join_chance(features) >= SURE:
         return False
     both = zip(questions, placements, strict=True)
     return max(_mean_share(*each) for each in both) <= WITHIN
