@@ -34,7 +34,6 @@ def _joined_without_geometry(monkeypatch: pytest.MonkeyPatch) -> None:
         return Union(here.mesh, here.owner, here.places, (*here.members, *there.members))
 
     monkeypatch.setattr(growth, "united", stand_in)
-    monkeypatch.setattr(growth, "settled", lambda join: join)
     monkeypatch.setattr(growth, "crowding", lambda one, other: 0.0)
     monkeypatch.setattr(growth, "open_loop", lambda joins: np.inf)
     monkeypatch.setattr(growth, "taken_by", lambda join, union: np.array([True]))

@@ -16,10 +16,7 @@ from sherd.correspondence.shared.two_way_placement import SharedPlacement
 from sherd.mesh.surface_points import closest_points
 from sherd.overlap import questions_of
 from sherd.puzzle.growing.join_chance import UNLIKE, chance_where_it_slid, may_lie_beside
-from sherd.puzzle.growing.meeting import Meeting
-from sherd.puzzle.growing.settled import settled
 from sherd.puzzle.growing.sliding import slid
-from sherd.puzzle.growing.union import Join, Union
 from sherd.results.advice import SURE
 from sherd.results.overlap_options import OverlapOptions
 from sherd.shapes import creature
@@ -112,63 +109,48 @@ def test_where_nothing_is_shared_nothing_moves(questions) -> None:
     assert moved(questions, apart) is apart
 
 
-def joined(questions: Both[Question], placements: Both[SharedPlacement]) -> Join:
-    unions = [
-        Union.of_piece(question.full.placed, number) for number, question in enumerate(questions)
-    ]
-    met = Meeting(questions, (None, None), placements, 0.9, twin=False)  # type: ignore[arg-type]
-    return Join(unions[0], unions[1], met)
+def half_shared(placements: Both[SharedPlacement]) -> Both[SharedPlacement]:
+    """Neither shape lies within the other."""
+    for place in placements:
+        place.shared[: len(place.shared) // 2] = False
+    return placements
 
 
-def test_a_join_keeps_its_chance_and_its_maps_slide(questions) -> None:
-    truths = [true_places(question) for question in questions]
-    forward = np.eye(3)[np.ptp(truths[0], axis=0).argmax()]
-    beside = laid(questions, (truths[0] + BESIDE * forward, truths[1] - BESIDE * forward))
-    join = joined(questions, beside)
-    found = settled(join)
-    assert found.met.chance == join.met.chance
-    assert error(questions, found.met.placements) < 0.4 * error(questions, beside)
-
-
-def test_a_join_whose_reliefs_a_slide_makes_less_alike_stays(questions, monkeypatch) -> None:
-    truths = [true_places(question) for question in questions]
-    forward = np.eye(3)[np.ptp(truths[0], axis=0).argmax()]
-    beside = laid(questions, (truths[0] + BESIDE * forward, truths[1] - BESIDE * forward))
-    join = joined(questions, laid(questions, (truths[0], truths[1])))
-    monkeypatch.setattr("sherd.puzzle.growing.settled.slid", lambda *_, **__: beside)
-    assert settled(join) is join
+def turned_over(questions: Both[Question]) -> Both[SharedPlacement]:
+    images = []
+    for question in questions:
+        center = question.full.mesh.vertices.mean(axis=0)
+        images.append((true_places(question) - center) * HALF_TURN + center)
+    return laid(questions, (images[0], images[1]))
 
 
 def test_what_slid_home_is_sure_and_what_slid_elsewhere_is_not(questions) -> None:
     truths = [true_places(question) for question in questions]
     forward = np.eye(3)[np.ptp(truths[0], axis=0).argmax()]
     beside = laid(questions, (truths[0] + BESIDE * forward, truths[1] - BESIDE * forward))
-    assert chance_where_it_slid(questions, moved(questions, beside)) > SURE
-    images = []
-    for question, truth in zip(questions, truths, strict=True):
-        center = question.full.mesh.vertices.mean(axis=0)
-        images.append((truth - center) * HALF_TURN + center)
-    elsewhere = laid(questions, (images[0], images[1]))
-    assert chance_where_it_slid(questions, moved(questions, elsewhere)) < 0.1
+    home = half_shared(moved(questions, beside))
+    assert chance_where_it_slid(0.0, questions, home) > SURE
+    elsewhere = half_shared(moved(questions, turned_over(questions)))
+    assert chance_where_it_slid(0.0, questions, elsewhere) < 0.1
+
+
+def test_what_was_sure_is_refused_where_its_slide_says_it_is_something_else(questions) -> None:
+    elsewhere = half_shared(moved(questions, turned_over(questions)))
+    assert chance_where_it_slid(0.9, questions, elsewhere) < 0.5
+    home = half_shared(laid(questions, (true_places(questions[0]), true_places(questions[1]))))
+    assert chance_where_it_slid(0.9, questions, home) == 0.9
+
+
+def test_of_what_lies_wholly_within_the_other_the_chance_stands(questions) -> None:
+    home = laid(questions, (true_places(questions[0]), true_places(questions[1])))
+    assert chance_where_it_slid(0.3, questions, home) == 0.3
 
 
 @pytest.mark.parametrize(
     ("feature", "value", "expected"),
-    [(7, 0.0, True), (7, 0.6, False), (4, -0.5, False), (5, 0.5, False), (6, 0.5, False)],
+    [(7, 0.0, True), (7, 0.6, True), (4, -0.5, False), (5, 0.5, False), (6, 0.5, False)],
 )
-def test_what_is_likely_and_not_sure_may_lie_beside_its_place(
-    questions, feature: int, value: float, expected: bool
-) -> None:
-    truths = (true_places(questions[0]), true_places(questions[1]))
-    placements = laid(questions, truths)
-    for place in placements:
-        place.shared[: len(place.shared) // 2] = False
+def test_what_is_likely_slides(feature: int, value: float, expected: bool) -> None:
     features = np.array([1.0, 0.72, 0.3, 0.0, 0.57, 0.07, 0.95, 0.1])
     features[feature] = value
-    assert may_lie_beside(features, questions, placements) is expected
-
-
-def test_what_lies_wholly_within_the_other_is_not_said_to_lie_beside_its_place(questions) -> None:
-    truths = (true_places(questions[0]), true_places(questions[1]))
-    features = np.array([1.0, 0.72, 0.3, 0.0, 0.57, 0.07, 0.95, 0.1])
-    assert not may_lie_beside(features, questions, laid(questions, truths))
+    assert may_lie_beside(features) is expected

@@ -15,7 +15,6 @@ from functools import cache
 from sherd.arrays import Bools, Floats, Ints
 from sherd.puzzle.growing.joined_maps import open_loop
 from sherd.puzzle.growing.meeting import NOTHING_KNOWN, Meeting
-from sherd.puzzle.growing.settled import settled
 from sherd.puzzle.growing.union import Join, Union, crowding, recalled, taken_by, united
 from sherd.results.advice import SURE
 
@@ -99,10 +98,8 @@ def grown(pieces: Sequence[Union], evidence: Floats, meet: Meet) -> Growth:
             continue
         for union in {partner.first, partner.second} - {here}:
             (growing if union in growing else done).remove(union)
-        # where the maps are exact the union has no seams that are off, and next answers are surer
-        joined = settled(partner)
-        growth.joins.append(joined)
-        growing.append(united(joined))
+        growth.joins.append(partner)
+        growing.append(united(partner))
     growth.groups = [union.members for union in done]
     return growth
 

@@ -67,10 +67,9 @@ COEFFICIENTS = (0.6, 1.6, 0.8, -6.6, 5.5, -17.7)
 # is 0.06 off has 0.70). Three steps to either. More of it proves nothing: of a twentieth of another
 # person that lies wholly within the place it was laid on all places lead.
 LED, LED_STEP = 0.77, 0.01
-# What may lie beside its place slides if it is likely so much before, at least so many places lead
-# there already, and less than all of either piece lies within the other: of a small piece all
-# places lead. Of the right answers of five puzzles that a slide makes sure the least likely one had
-# 0.23, and in the one where fewest places led 0.73 did; a slide raises that by up to 0.14.
+# What may lie beside its place slides if it is likely so much before, and at least so many places
+# lead there already. Of the right answers of five puzzles that a slide makes sure the least likely
+# one had 0.23, and in the one where fewest places led 0.73 did; a slide raises that by up to 0.14.
 LIKELY, LED_BEFORE = 0.2, 0.65
 # A slide finds the most alike of what is near, and a rank correlation of n independent places
 # scatters by 1 / sqrt(n) where nothing is alike. So reliefs must be as alike as so much over the
@@ -86,6 +85,9 @@ SLID_LED = 0.81
 # 0.65, of 8 wrong or foreign ones none is above 0.38. With each puzzle left out in turn 5, and two
 # above 0.65: a leg of the man on his other leg, mirrored, and another person, of whom too few lead.
 SLID_COEFFICIENTS = (-9.8, 14.3, 5.0, -19.8)
+# What was sure before is refused below this: of the right ones that were none is below 0.62, of two
+# thirds of another person none above 0.38.
+SLID_LIKELY = 0.5
 
 
 def join_chance(features: Floats) -> float:
@@ -99,38 +101,38 @@ def join_chance(features: Floats) -> float:
     return float(np.clip(_but_for_likeness(features) * alike, LEAST, most))
 
 
-def may_lie_beside(
-    features: Floats, questions: Both[Question], placements: Both[SharedPlacement]
-) -> bool:
-    """Whether an answer that is not sure may be right and lie beside its place.
+def may_lie_beside(features: Floats) -> bool:
+    """Whether an answer may be right and lie beside its place, or is sure.
 
     Its mirror image may fit better there; where it slid to it must not.
     """
-    likely = _but_for_likeness(features) >= LIKELY and features[LEADING] >= LED_BEFORE
-    if not likely or join_chance(features) >= SURE:
-        return False
-    both = zip(questions, placements, strict=True)
-    return max(_mean_share(*each) for each in both) <= WITHIN
+    return bool(_but_for_likeness(features) >= LIKELY and features[LEADING] >= LED_BEFORE)
 
 
-def chance_where_it_slid(questions: Both[Question], placements: Both[SharedPlacement]) -> float:
-    """The chance of what may lie beside its place, by what is seen where it slid to.
+def chance_where_it_slid(
+    before: float, questions: Both[Question], placements: Both[SharedPlacement]
+) -> float:
+    """The chance of an answer by what is seen where it slid to, too.
 
-    Skin that is laid on itself there is more alike than its mirror image, its places lead, its
-    relief is the same, and it is hardly strained; something else is strained by the slide.
+    Skin that is laid on itself there is more alike than its mirror image, its places lead, and it
+    is hardly strained; something else is strained by the slide. With alike reliefs that is enough
+    to be sure. What was sure before stays so unless it is less likely right than not there. Of what
+    lies wholly within the other all places may lead, so the chance `before` stands.
     """
-    likeness = likeness_of_both(questions, placements)
-    if likeness is None:
-        return LEAST
     both = tuple(zip(questions, placements, strict=True))
+    likeness = likeness_of_both(questions, placements)
+    if likeness is None or max(_mean_share(*each) for each in both) > WITHIN:
+        return before
     strain = float(np.mean([_mean_strain(*each) for each in both]))
     features = np.array([1.0, likeness.handed, likeness.leading, strain])
+    seen = float(1.0 / (1.0 + np.exp(-features @ np.array(SLID_COEFFICIENTS))))
+    if before >= SURE:
+        return before if seen >= SLID_LIKELY else float(np.clip(seen, LEAST, MOST))
     root = float(np.sqrt(shared_area(questions, placements)))
     unlike = float(np.clip(SLID_UNLIKE / max(root, 1e-12), LEAST_UNLIKE, MOST_UNLIKE))
     alike = _above(alike_in_reliefs(questions, placements), unlike, UNLIKE_STEP)
     alike *= _above(likeness.leading, SLID_LED, LED_STEP)
-    evidence = float(features @ np.array(SLID_COEFFICIENTS))
-    return float(np.clip(alike / (1.0 + np.exp(-evidence)), LEAST, MOST))
+    return max(before, float(np.clip(seen * alike, LEAST, MOST)))
 
 
 def fits_a_twin(features: Floats) -> bool:

@@ -17,6 +17,7 @@ from sherd.arrays import Bools, Ints
 from sherd.correspondence.labels.places import followed, further_labelings
 from sherd.correspondence.labels.two_way import Both, TwoLabelings
 from sherd.correspondence.question import NO_PINS, Question
+from sherd.correspondence.shared.relief import alike_in_relief
 from sherd.correspondence.shared.two_way_placement import SharedPlacement, placed_together
 from sherd.correspondence.working_placement import Queries
 from sherd.mesh.surface_points import closest_points
@@ -143,18 +144,24 @@ def _answer(
     placements = placed_together(questions, labelings, queries, strain=OverlapOptions().strain)
     features = join_features(labelings, questions, placements, seed)
     met = Meeting(questions, queries, placements, join_chance(features), fits_a_twin(features))
-    if may_lie_beside(features, questions, placements):
-        return max(met, _slid(met), key=_chance)
-    return met
+    return _slid(met) if may_lie_beside(features) else met
 
 
 def _slid(met: Meeting) -> Meeting:
-    """The same where reliefs are most alike; what is sure there is not laid on its twin."""
+    """The same where reliefs are most alike; what is sure there is not laid on its twin.
+
+    As it was where the slide neither makes it likelier nor reliefs more alike, at a width finer
+    than those it slides by.
+    """
     found = slid(met.questions, met.placements, strain=OverlapOptions().strain)
     if not all(place.shared.any() for place in found):
         return met
-    chance = chance_where_it_slid(met.questions, found)
-    return replace(met, placements=found, chance=chance, twin=met.twin and chance < SURE)
+    chance = chance_where_it_slid(met.chance, met.questions, found)
+    there = replace(met, placements=found, chance=chance, twin=met.twin and chance < SURE)
+    if chance > met.chance:
+        return there
+    before, after = (alike_in_relief(met.questions, each) for each in (met.placements, found))
+    return there if after > before else replace(met, chance=chance)
 
 
 def _chance(met: Meeting) -> float:
