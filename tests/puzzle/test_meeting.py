@@ -36,7 +36,7 @@ def test_what_lies_nowhere_else_is_answered_as_it_is(monkeypatch) -> None:
     assert meeting(front.mesh, tube, 0).chance < SURE
 
 
-def test_what_may_lie_beside_its_place_slides_and_is_judged_there(monkeypatch) -> None:
+def test_what_may_be_right_its_place_slides_and_is_judged_there(monkeypatch) -> None:
     """It lies where it slid to if that is likelier, or if reliefs are more alike there."""
     full = creature(5000)
     front = cut_by_ball(whole(full, full), landmarks(full)["nose"], 0.85)
@@ -49,7 +49,7 @@ def test_what_may_lie_beside_its_place_slides_and_is_judged_there(monkeypatch) -
         return home[-1]
 
     monkeypatch.setattr(module, "further_labelings", lambda *_: [])
-    monkeypatch.setattr(module, "may_lie_beside", lambda *_: True)
+    monkeypatch.setattr(module, "may_be_right", lambda *_: True)
     monkeypatch.setattr(module, "slid", slid)
     monkeypatch.setattr(module, "join_chance", lambda _: 0.7)
     for chance, alike, moves in ((0.9, 0.0, True), (0.7, 1.0, True), (0.7, -1.0, False)):

@@ -15,7 +15,7 @@ from sherd.correspondence.shared.round_trip import round_trip
 from sherd.correspondence.shared.two_way_placement import SharedPlacement
 from sherd.mesh.surface_points import closest_points
 from sherd.overlap import questions_of
-from sherd.puzzle.growing.join_chance import UNLIKE, chance_where_it_slid, may_lie_beside
+from sherd.puzzle.growing.join_chance import UNLIKE, chance_where_it_slid, may_be_right
 from sherd.puzzle.growing.sliding import slid
 from sherd.results.advice import SURE
 from sherd.results.overlap_options import OverlapOptions
@@ -153,4 +153,4 @@ def test_of_what_lies_wholly_within_the_other_the_chance_stands(questions) -> No
 def test_what_is_likely_slides(feature: int, value: float, expected: bool) -> None:
     features = np.array([1.0, 0.72, 0.3, 0.0, 0.57, 0.07, 0.95, 0.1])
     features[feature] = value
-    assert may_lie_beside(features) is expected
+    assert may_be_right(features) is expected

@@ -2,7 +2,8 @@
 
 What belongs together was cut from one whole. So what two pieces share ends where one of them does,
 it bends but does not stretch, it is not its mirror image, and it has the same relief; and who sees
-nothing else finds no better place for it.
+nothing else finds no better place for it. Where it lies beside its place it does not look so, so it
+is looked at once more where it slid to.
 """
 
 from __future__ import annotations
@@ -29,7 +30,7 @@ __all__ = [
     "fits_a_twin",
     "join_chance",
     "join_features",
-    "may_lie_beside",
+    "may_be_right",
 ]
 
 # A rim that is farther from the borders of both pieces than a spacing of labels ends inside both.
@@ -67,8 +68,8 @@ COEFFICIENTS = (0.6, 1.6, 0.8, -6.6, 5.5, -17.7)
 # is 0.06 off has 0.70). Three steps to either. More of it proves nothing: of a twentieth of another
 # person that lies wholly within the place it was laid on all places lead.
 LED, LED_STEP = 0.77, 0.01
-# What may lie beside its place slides if it is likely so much before, and at least so many places
-# lead there already. Of the right answers of five puzzles that a slide makes sure the least likely
+# What may be right slides: what is so likely before, and where at least so many places lead
+# already. Of the right answers of five puzzles that a slide makes sure the least likely
 # one had 0.23, and in the one where fewest places led 0.73 did; a slide raises that by up to 0.14.
 LIKELY, LED_BEFORE = 0.2, 0.65
 # A slide finds the most alike of what is near, and a rank correlation of n independent places
@@ -101,8 +102,8 @@ def join_chance(features: Floats) -> float:
     return float(np.clip(_but_for_likeness(features) * alike, LEAST, most))
 
 
-def may_lie_beside(features: Floats) -> bool:
-    """Whether an answer may be right and lie beside its place, or is sure.
+def may_be_right(features: Floats) -> bool:
+    """Whether an answer may be right, and if not where it lies, then beside that.
 
     Its mirror image may fit better there; where it slid to it must not.
     """

@@ -35,7 +35,7 @@ from sherd.puzzle.growing.join_chance import (
     fits_a_twin,
     join_chance,
     join_features,
-    may_lie_beside,
+    may_be_right,
 )
 from sherd.puzzle.growing.sliding import slid
 from sherd.results.advice import SURE
@@ -144,7 +144,7 @@ def _answer(
     placements = placed_together(questions, labelings, queries, strain=OverlapOptions().strain)
     features = join_features(labelings, questions, placements, seed)
     met = Meeting(questions, queries, placements, join_chance(features), fits_a_twin(features))
-    return _slid(met) if may_lie_beside(features) else met
+    return _slid(met) if may_be_right(features) else met
 
 
 def _slid(met: Meeting) -> Meeting:
