@@ -77,8 +77,8 @@ LIKELY, LED_BEFORE = 0.2, 0.65
 # root of the shared area, within bounds: an arm of a woman slides to 0.51 on her other arm, where
 # 0.10 is shared, right answers of as much to 0.64 and more, those of a third of an animal to 0.50.
 SLID_UNLIKE, LEAST_UNLIKE, MOST_UNLIKE = 0.2, 0.42, 0.58
-# Of two thirds of three other people on a woman 0.67, 0.79 and 0.82 of the places lead, of the first
-# on her union 0.77; of right answers that need this to be sure 0.87 and more.
+# Of two thirds of three other people on a woman 0.67, 0.79 and 0.82 of the places lead; of right
+# answers that need this to be sure 0.87 and more.
 SLID_LED = 0.85
 # Of one, the share of places that are more alike than mirrored, the share that lead, and strain. A
 # logistic regression over 41 answers of five puzzles (wolf, cat, horse, man, woman) that slid to
