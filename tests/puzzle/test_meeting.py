@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import Any
+
 import numpy as np
 
 from sherd.mesh.triangle_mesh import TriangleMesh
@@ -31,3 +34,31 @@ def test_what_lies_nowhere_else_is_answered_as_it_is(monkeypatch) -> None:
     tube = bumpy_tube()
     tube = tube.with_vertices(tube.vertices * np.sqrt(front.mesh.area / tube.area))
     assert meeting(front.mesh, tube, 0).chance < SURE
+
+
+def test_what_may_be_right_its_place_slides_and_is_judged_there(monkeypatch) -> None:
+    """It lies where it slid to if that is likelier, or if reliefs are more alike there."""
+    full = creature(5000)
+    front = cut_by_ball(whole(full, full), landmarks(full)["nose"], 0.85)
+    back = cut_by_ball(whole(full, full), landmarks(full)["tail_tip"], 0.85)
+    laid, home = [], []
+
+    def slid(_: object, found: Any, **__: float) -> Any:
+        laid.append(found)
+        home.append((replace(found[0]), replace(found[1])))
+        return home[-1]
+
+    monkeypatch.setattr(module, "further_labelings", lambda *_: [])
+    monkeypatch.setattr(module, "may_be_right", lambda *_: True)
+    monkeypatch.setattr(module, "slid", slid)
+    monkeypatch.setattr(module, "join_chance", lambda _: 0.7)
+    for chance, alike, moves in ((0.9, 0.0, True), (0.7, 1.0, True), (0.7, -1.0, False)):
+        monkeypatch.setattr(module, "chance_where_it_slid", lambda *_, chance=chance: chance)
+        monkeypatch.setattr(
+            module,
+            "alike_in_relief",
+            lambda _, found, alike=alike: alike * any(found is each for each in home),
+        )
+        found = meeting(front.mesh, back.mesh, 0)
+        assert found.chance == chance
+        assert any(found.placements is each for each in (home if moves else laid))

@@ -31,8 +31,9 @@ from sherd.spectral.operators import stiffness
 __all__ = ["alike_at_labels", "alike_in", "alike_in_relief", "form", "relief"]
 
 # In sqrt(area) of the larger piece. As fine as a right map is exact (0.01 to 0.02), and against
-# what is around as far as a limb is wide: that a limb is round is true of all limbs.
-FINE, COARSE = 0.02, 0.07
+# what is around, so many times as far, which is as a limb is wide: that a limb is round is true of
+# all limbs.
+FINE, AROUND = 0.02, 3.5
 # Nearer to a cut the angles of faces that are gone are missing in the average: two widths of it.
 CUT = 2 * FINE
 # Form: as fine as the map of another species is exact, against what is around, the chest or the
@@ -43,14 +44,15 @@ FORM_FINE, FORM_COARSE = 0.05, 0.14
 LEAST_NODES = 3
 
 
-def relief(mesh: TriangleMesh) -> Floats:
+def relief(mesh: TriangleMesh, width: float = FINE) -> Floats:
     """The relief (n,) of a mesh in units of sqrt(area), 1 / length.
 
-    The signed root of Gaussian curvature, averaged over `FINE`, less the same over `COARSE`. The
-    root, as the curvature of a bump is that of its size squared, and tips would outweigh all else.
+    The signed root of Gaussian curvature, averaged over `width`, less the same over `AROUND` times
+    that. The root, as the curvature of a bump is that of its size squared, and tips would outweigh
+    all else.
     """
     defects = angle_defects(mesh.vertices, mesh.faces)
-    fine, coarse = _averaged(mesh, defects, (FINE, COARSE))
+    fine, coarse = _averaged(mesh, defects, (width, AROUND * width))
     return _signed_root(fine) - _signed_root(coarse)
 
 

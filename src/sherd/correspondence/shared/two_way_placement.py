@@ -35,7 +35,7 @@ from sherd.descriptors.rotation_shot import trusted_equally
 from sherd.surface.described import RADII
 from sherd.threads import side_by_side
 
-__all__ = ["SharedPlacement", "placed_together", "sharing_cost"]
+__all__ = ["SharedPlacement", "drawn_together", "placed_together", "sharing_cost"]
 
 # Where there and back end up farther apart than this, the two directions do not mean the same
 # place: two spacings of labels.
@@ -115,7 +115,7 @@ def placed_together(
     laid = side_by_side(
         partial(_first_laid, *each) for each in zip(questions, found, queries, strict=True)
     )
-    together = _drawn_together(questions, (laid[0], laid[1]), strain)
+    together = drawn_together(questions, (laid[0], laid[1]), strain)
     drawn, seen = _looked_again(questions, queries, together, strain)
     if _is_open(questions, drawn):
         drawn, seen = _looked_again(questions, queries, drawn, strain)
@@ -135,7 +135,7 @@ def _looked_again(
         for each in zip(questions, queries, found, found[::-1], strict=True)
     )
     (there, look_there), (back, look_back) = seen
-    return _drawn_together(questions, (there, back), strain), (look_there, look_back)
+    return drawn_together(questions, (there, back), strain), (look_there, look_back)
 
 
 def _is_open(questions: Both[Question], found: Both[SharedPlacement]) -> bool:
@@ -207,7 +207,7 @@ def _look_inside(question: Question, queries: Queries, own: Bools, other: Bools)
     return Look(queries.vertices, full.spectra_within(other), full.axes.project(spectra), trust)
 
 
-def _drawn_together(
+def drawn_together(
     questions: Both[Question], laid: Both[Deformation], strain: float
 ) -> Both[SharedPlacement]:
     """Each drawn to the middle between its own places and the inverse of the other's."""

@@ -17,6 +17,7 @@ from sherd.arrays import Bools, Ints
 from sherd.correspondence.labels.places import followed, further_labelings
 from sherd.correspondence.labels.two_way import Both, TwoLabelings
 from sherd.correspondence.question import NO_PINS, Question
+from sherd.correspondence.shared.relief import alike_in_relief
 from sherd.correspondence.shared.two_way_placement import SharedPlacement, placed_together
 from sherd.correspondence.working_placement import Queries
 from sherd.mesh.surface_points import closest_points
@@ -29,7 +30,14 @@ from sherd.overlap import (
     queries_both_ways,
     questions_of,
 )
-from sherd.puzzle.growing.join_chance import fits_a_twin, join_chance, join_features
+from sherd.puzzle.growing.join_chance import (
+    chance_where_it_slid,
+    fits_a_twin,
+    join_chance,
+    join_features,
+    may_be_right,
+)
+from sherd.puzzle.growing.sliding import slid
 from sherd.results.advice import SURE
 from sherd.results.overlap_options import OverlapOptions
 from sherd.surface.described import DescribedSurface
@@ -135,7 +143,25 @@ def _answer(
     """Both surfaces laid on each other by one labeling of both, and how likely that is right."""
     placements = placed_together(questions, labelings, queries, strain=OverlapOptions().strain)
     features = join_features(labelings, questions, placements, seed)
-    return Meeting(questions, queries, placements, join_chance(features), fits_a_twin(features))
+    met = Meeting(questions, queries, placements, join_chance(features), fits_a_twin(features))
+    return _slid(met) if may_be_right(features) else met
+
+
+def _slid(met: Meeting) -> Meeting:
+    """The same where reliefs are most alike; what is sure there is not laid on its twin.
+
+    As it was where the slide neither makes it likelier nor reliefs more alike, at a width finer
+    than those it slides by.
+    """
+    found = slid(met.questions, met.placements, strain=OverlapOptions().strain)
+    if not all(place.shared.any() for place in found):
+        return met
+    chance = chance_where_it_slid(met.chance, met.questions, found)
+    there = replace(met, placements=found, chance=chance, twin=met.twin and chance < SURE)
+    if chance > met.chance:
+        return there
+    before, after = (alike_in_relief(met.questions, each) for each in (met.placements, found))
+    return there if after > before else replace(met, chance=chance)
 
 
 def _chance(met: Meeting) -> float:

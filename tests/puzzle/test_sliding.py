@@ -1,0 +1,156 @@
+"""Maps that lie beside their place slide back to it; elsewhere there is nothing to slide to."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from sherd.arrays import Floats
+from sherd.correspondence.elastic_kernel import fit_rotations
+from sherd.correspondence.labels.two_way import Both
+from sherd.correspondence.question import Question
+from sherd.correspondence.registration import Deformation
+from sherd.correspondence.shared.relief import alike_in_relief
+from sherd.correspondence.shared.round_trip import round_trip
+from sherd.correspondence.shared.two_way_placement import SharedPlacement
+from sherd.mesh.surface_points import closest_points
+from sherd.overlap import questions_of
+from sherd.puzzle.growing.join_chance import UNLIKE, chance_where_it_slid, may_be_right
+from sherd.puzzle.growing.sliding import slid
+from sherd.results.advice import SURE
+from sherd.results.overlap_options import OverlapOptions
+from sherd.shapes import creature
+from sherd.surface.prepared import described_part
+
+# As far off as right answers are where skin stretches.
+BESIDE = 0.04
+HALF_TURN = np.array([1.0, -1.0, -1.0])
+
+
+@pytest.fixture(scope="module")
+def questions() -> Both[Question]:
+    """Walking on standing, and back."""
+    standing, walking = creature(5000), creature(5000, pose="walk")
+    surfaces = tuple(described_part(mesh, standing.length) for mesh in (standing, walking))
+    return questions_of(surfaces, np.empty((0, 2), dtype=np.int64), unknown=False)
+
+
+def true_places(question: Question) -> Floats:
+    """Where each vertex of the part's working mesh lies; both shapes have the same vertices."""
+    at = closest_points(question.part.placed, question.part.mesh.vertices)
+    return at.interpolate(question.part.placed, question.full.placed.vertices)
+
+
+def laid(questions: Both[Question], images: Both[Floats]) -> Both[SharedPlacement]:
+    """Both shapes with their vertices at the places under their images."""
+    deformations = []
+    for question, image in zip(questions, images, strict=True):
+        places = closest_points(question.full.mesh, image).positions(question.full.mesh)
+        deformations.append(Deformation(places, fit_rotations(question.part.elastic, places)))
+    placements = []
+    for question, own, other in zip(questions, deformations, deformations[::-1], strict=True):
+        count = question.part.mesh.vertex_count
+        trip = round_trip(question, own, other)
+        none = np.zeros(count)
+        placements.append(
+            SharedPlacement(own, trip, np.ones(count, dtype=bool), none, none, np.empty(0))
+        )
+    return placements[0], placements[1]
+
+
+def error(questions: Both[Question], placements: Both[SharedPlacement]) -> float:
+    return float(
+        np.mean(
+            [
+                np.linalg.norm(place.trip.there - true_places(question), axis=1)[
+                    place.shared
+                ].mean()
+                for question, place in zip(questions, placements, strict=True)
+            ]
+        )
+    )
+
+
+def moved(questions: Both[Question], placements: Both[SharedPlacement]) -> Both[SharedPlacement]:
+    return slid(questions, placements, strain=OverlapOptions().strain)
+
+
+def test_what_lies_beside_its_place_slides_to_it(questions) -> None:
+    truths = [true_places(question) for question in questions]
+    forward = np.eye(3)[np.ptp(truths[0], axis=0).argmax()]
+    beside = laid(questions, (truths[0] + BESIDE * forward, truths[1] - BESIDE * forward))
+    found = moved(questions, beside)
+    assert error(questions, beside) > 0.6 * BESIDE
+    assert error(questions, found) < 0.4 * error(questions, beside)
+    assert alike_in_relief(questions, found) > alike_in_relief(questions, beside) + 0.2
+    for place in found:
+        assert place.shared.mean() > 0.8
+
+
+def test_what_lies_right_stays(questions) -> None:
+    images = (true_places(questions[0]), true_places(questions[1]))
+    assert error(questions, moved(questions, laid(questions, images))) < 0.01
+
+
+def test_what_lies_elsewhere_finds_no_relief_to_slide_to(questions) -> None:
+    images = []
+    for question in questions:
+        center = question.full.mesh.vertices.mean(axis=0)
+        images.append((true_places(question) - center) * HALF_TURN + center)
+    found = moved(questions, laid(questions, (images[0], images[1])))
+    assert alike_in_relief(questions, found) < UNLIKE
+
+
+def test_where_nothing_is_shared_nothing_moves(questions) -> None:
+    images = (true_places(questions[0]), true_places(questions[1]))
+    apart = laid(questions, images)
+    for place in apart:
+        place.shared[:] = False
+    assert moved(questions, apart) is apart
+
+
+def half_shared(placements: Both[SharedPlacement]) -> Both[SharedPlacement]:
+    """Neither shape lies within the other."""
+    for place in placements:
+        place.shared[: len(place.shared) // 2] = False
+    return placements
+
+
+def turned_over(questions: Both[Question]) -> Both[SharedPlacement]:
+    images = []
+    for question in questions:
+        center = question.full.mesh.vertices.mean(axis=0)
+        images.append((true_places(question) - center) * HALF_TURN + center)
+    return laid(questions, (images[0], images[1]))
+
+
+def test_what_slid_home_is_sure_and_what_slid_elsewhere_is_not(questions) -> None:
+    truths = [true_places(question) for question in questions]
+    forward = np.eye(3)[np.ptp(truths[0], axis=0).argmax()]
+    beside = laid(questions, (truths[0] + BESIDE * forward, truths[1] - BESIDE * forward))
+    home = half_shared(moved(questions, beside))
+    assert chance_where_it_slid(0.0, questions, home) > SURE
+    elsewhere = half_shared(moved(questions, turned_over(questions)))
+    assert chance_where_it_slid(0.0, questions, elsewhere) < 0.1
+
+
+def test_what_was_sure_is_refused_where_its_slide_says_it_is_something_else(questions) -> None:
+    elsewhere = half_shared(moved(questions, turned_over(questions)))
+    assert chance_where_it_slid(0.9, questions, elsewhere) < 0.5
+    home = half_shared(laid(questions, (true_places(questions[0]), true_places(questions[1]))))
+    assert chance_where_it_slid(0.9, questions, home) >= 0.9
+
+
+def test_of_what_lies_wholly_within_the_other_the_chance_stands(questions) -> None:
+    home = laid(questions, (true_places(questions[0]), true_places(questions[1])))
+    assert chance_where_it_slid(0.3, questions, home) == 0.3
+
+
+@pytest.mark.parametrize(
+    ("feature", "value", "expected"),
+    [(7, 0.0, True), (7, 0.6, True), (4, -0.5, False), (5, 0.5, False), (6, 0.5, False)],
+)
+def test_what_is_likely_slides(feature: int, value: float, expected: bool) -> None:
+    features = np.array([1.0, 0.72, 0.3, 0.0, 0.57, 0.07, 0.95, 0.1])
+    features[feature] = value
+    assert may_be_right(features) is expected
