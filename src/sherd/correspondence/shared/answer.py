@@ -124,8 +124,9 @@ def shared_answer(
         begun = dict.fromkeys((0, int(np.argmax(there))))
         seen = [_labelings_of_viewers(questions, answers[each], seed) for each in begun]
         places = side_by_side(partial(laid, each) for each in seen)
-        answers += [judge.answer(*each) for each in zip(seen, places, strict=True)]
-        by_form = [judge.by_form(each) for each in answers]
+        viewed = [judge.answer(*each) for each in zip(seen, places, strict=True)]
+        answers += viewed
+        by_form += [judge.by_form(each) for each in viewed]
         there = judge.place_chances(answers, by_form)
         preference = np.append(preference, np.full(len(seen), VIEWED))
     surest = int(np.argmax(preference * there / (1.0 - there)))

@@ -24,18 +24,20 @@ from sherd.correspondence.labels.two_way import Both
 from sherd.correspondence.question import Question
 from sherd.correspondence.shared.two_way_placement import SharedPlacement
 from sherd.mesh.geometry import angle_defects
+from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.spectral.diffusion import diffused
 from sherd.spectral.operators import stiffness
 
-__all__ = ["alike_at_labels", "alike_in", "alike_in_relief", "form", "relief"]
+__all__ = ["alike_at_labels", "alike_in", "alike_in_relief", "form", "relief", "seen_area"]
 
 # In sqrt(area) of the larger piece. As fine as a right map is exact (0.01 to 0.02), and against
 # what is around, so many times as far, which is as a limb is wide: that a limb is round is true of
 # all limbs.
 FINE, AROUND = 0.02, 3.5
-# Nearer to a cut the angles of faces that are gone are missing in the average: two widths of it.
-CUT = 2 * FINE
+# Nearer to a cut than so many widths the angles of faces that are gone are missing in the average.
+CUT_WIDTHS = 2
+CUT = CUT_WIDTHS * FINE
 # Form: as fine as the map of another species is exact, against what is around, the chest or the
 # thigh that it belongs to. Chosen among widths from 0.02 to 0.2 on 27 pairs, mostly of SMAL: from
 # 0.035 and 0.1 to 0.07 and 0.2 all tell right from wrong about as well.
@@ -105,6 +107,17 @@ def alike_in(
     return float(np.mean([_alike(*each) for each in both]))
 
 
+def seen_area(question: Question, shared: Bools, points: SurfacePoints, width: float) -> Floats:
+    """The area (n,) of the part that is shared, less along both cuts, of what is `width` wide.
+
+    `points` of the full shape are where the part's vertices lie.
+    """
+    full, part = question.full, question.part
+    depth = np.minimum(part.cut_distance, points.interpolate(full.mesh, full.cut_distance))
+    seen: Floats = part.mesh.vertex_areas * shared * np.clip(depth / (CUT_WIDTHS * width), 0.0, 1.0)
+    return seen
+
+
 def alike_at_labels(
     fields: Both[Floats], problems: Both[Problem], found: Both[Labeling], kept: Both[Bools]
 ) -> float:
@@ -139,13 +152,12 @@ def alike_at_labels(
 
 
 def _alike(question: Question, place: SharedPlacement, own: Floats, other: Floats) -> float:
-    full, part, points = question.full, question.part, place.trip.points
-    depth = np.minimum(part.cut_distance, points.interpolate(full.mesh, full.cut_distance))
-    trust = part.mesh.vertex_areas * place.shared * np.clip(depth / CUT, 0.0, 1.0)
+    points = place.trip.points
+    trust = seen_area(question, place.shared, points, FINE)
     rows = np.flatnonzero(trust > 0)
     if len(rows) < 2:
         return 0.0
-    there = points[rows].interpolate(full.mesh, other)
+    there = points[rows].interpolate(question.full.mesh, other)
     return _correlation(rankdata(own[rows]), rankdata(there), trust[rows])
 
 

@@ -27,10 +27,9 @@ from sherd.correspondence.elastic_kernel import fit_rotations
 from sherd.correspondence.labels.two_way import Both
 from sherd.correspondence.question import Question
 from sherd.correspondence.registration import Deformation
-from sherd.correspondence.shared.relief import alike_in, relief
+from sherd.correspondence.shared.relief import alike_in, relief, seen_area
 from sherd.correspondence.shared.two_way_placement import SharedPlacement, drawn_together
 from sherd.mesh.geometry import lengths, vertex_normals
-from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.spectral.operators import gradient, stiffness
 from sherd.threads import side_by_side
@@ -50,8 +49,6 @@ SMOOTH = 0.025
 STEPS, ROUNDS = 4, 2
 # Ranks differ by a third where nothing agrees; beyond this a difference counts less and less.
 DOUBT = 0.3
-# Nearer than two widths to a cut the angles of faces that are gone are missing in the average.
-CUT = 2.0
 # Where nothing is seen the field is held by so little of what slopes hold it by elsewhere.
 LEAST_HOLD = 1e-3
 CG_TOLERANCE, CG_LIMIT = 1e-3, 200
@@ -124,7 +121,7 @@ def _moved(question: Question, own: SharedPlacement, other: SharedPlacement) -> 
             slide = _field(
                 part,
                 part.vertex_areas * own.shared,
-                _trust(question, own.shared, points, width),
+                seen_area(question, own.shared, points, width),
                 sought - points.interpolate(full, seen),
                 points.interpolate(full, slopes),
                 points.interpolate(full, full.vertex_normals),
@@ -198,14 +195,6 @@ def _field(
     )
     field: Floats = found.reshape(-1, 3)
     return field
-
-
-def _trust(question: Question, shared: Bools, points: SurfacePoints, width: float) -> Floats:
-    """The area (n,) of what is shared, less along both cuts."""
-    full, part = question.full, question.part
-    depth = np.minimum(part.cut_distance, points.interpolate(full.mesh, full.cut_distance))
-    seen: Floats = part.mesh.vertex_areas * shared * np.clip(depth / (CUT * width), 0.0, 1.0)
-    return seen
 
 
 def _ranks(values: Floats, shared: Bools) -> Floats:
