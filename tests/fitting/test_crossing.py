@@ -8,12 +8,15 @@ import numpy as np
 import pytest
 
 from sherd.correspondence.elastic_kernel import closest_rotations
+from sherd.fitting import fitted as fitted_module
 from sherd.fitting import turned_faces as turned_faces_module
 from sherd.fitting.as_rigid_as_possible import Elasticity
 from sherd.fitting.crossing import without_new_crossings
 from sherd.fitting.deformation import Deformation
+from sherd.fitting.fitted import fitted_shape
 from sherd.fitting.self_intersection import intersecting_faces
-from sherd.fitting.turned_faces import turned_faces, without_turned_faces
+from sherd.fitting.targets import Targets
+from sherd.fitting.turned_faces import still_turned, turned_faces, without_turned_faces
 from sherd.mesh.triangle_mesh import TriangleMesh
 
 
@@ -153,3 +156,21 @@ def test_closest_rotations_are_proper_and_undo_stretching() -> None:
     assert np.allclose(np.linalg.det(turns), 1)
     stretched = turns @ np.diag([1.0, 2.0, 3.0])
     assert np.allclose(closest_rotations(stretched), turns)
+
+
+def test_a_smooth_start_is_tried_where_a_face_stays_turned(fork, monkeypatch) -> None:
+    elasticity, seen = fork
+    faces, rest = elasticity.mesh.faces, elasticity.rest
+    folded = rest.copy()
+    across = np.setdiff1d(faces[(faces == faces[0, 0]).any(axis=1)], faces[0])
+    folded[faces[0, 0]] = 2 * folded[across].mean(axis=0) - folded[faces[0, 0]] + [0.2, 0.2, 0.2]
+    starts = [identity(elasticity, folded), identity(elasticity, rest)]
+    assert still_turned(elasticity, starts[0])
+    monkeypatch.setattr(fitted_module, "_starts", lambda *_, **__: iter(starts))
+    monkeypatch.setattr(fitted_module, "fine_deformation", lambda _, start, *__: start)
+    monkeypatch.setattr(fitted_module, "without_turned_faces", lambda _, found: found)
+    monkeypatch.setattr(fitted_module, "without_new_crossings", lambda _, found, __: found)
+    monkeypatch.setattr(fitted_module, "new_crossings", lambda *_: 0)
+    targets = Targets(rest, seen.astype(float))
+    answer = fitted_shape(elasticity.mesh, targets, elasticity.mesh, sizing="none")
+    assert still_turned(elasticity, answer) == 0

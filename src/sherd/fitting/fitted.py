@@ -15,7 +15,7 @@ from sherd.fitting.deformation import (
 )
 from sherd.fitting.scan_surface import ScanSurface
 from sherd.fitting.targets import Targets
-from sherd.fitting.turned_faces import without_turned_faces
+from sherd.fitting.turned_faces import still_turned, without_turned_faces
 from sherd.mesh.surface_points import closest_points
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.results.fitted.fit_options import Sizing
@@ -27,7 +27,8 @@ __all__ = ["fitted_shape"]
 # Poses are decided on so many vertices: 0.04 s for a factorization and a solve, where 10,000 take
 # 0.2 s, and joints are still a dozen edges around.
 COARSE = 4000
-# Share of the faces: a fit of which more pierce others is in doubt, so the smooth one is tried.
+# Share of the faces: a fit of which more pierce others is in doubt, so the smooth one is tried; as
+# it is where a face stays turned over, which no fit may have if it can be helped.
 MOST_CROSSINGS = 0.001
 
 
@@ -50,15 +51,16 @@ def fitted_shape(
     scan = ScanSurface(surface)
     with one_blas_thread():
         own = Elasticity(shape)
-        tried: list[tuple[int, Deformation]] = []
+        tried: list[tuple[int, int, Deformation]] = []
         for start in _starts(own, targets, scan, sizing=sizing):
             found = fine_deformation(own, start, targets, scan)
             found = without_new_crossings(own, without_turned_faces(own, found), targets.seen)
             found = without_turned_faces(own, found)
-            tried.append((new_crossings(own, found), found))
-            if tried[-1][0] <= MOST_CROSSINGS * shape.face_count:
-                break
-        return min(tried, key=lambda each: each[0])[1]
+            turned, crossings = still_turned(own, found), new_crossings(own, found)
+            if turned == 0 and crossings <= MOST_CROSSINGS * shape.face_count:
+                return found
+            tried.append((turned, crossings, found))
+        return min(tried, key=lambda each: each[:2])[2]
 
 
 def _starts(

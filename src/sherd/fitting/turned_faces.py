@@ -18,7 +18,7 @@ from sherd.fitting.deformation import (
 )
 from sherd.mesh.geometry import face_cross
 
-__all__ = ["turned_faces", "without_turned_faces"]
+__all__ = ["still_turned", "turned_faces", "without_turned_faces"]
 
 # Rings of edges that are released around turned faces, wider where faces stay turned.
 RINGS = (1, 3, 6, 10, 15, 21)
@@ -34,6 +34,11 @@ def turned_faces(rest: Floats, positions: Floats, rotations: Floats, faces: Ints
     turned = np.einsum("mkij,mj->mi", rotations[faces], before)
     against: Bools = (turned * after).sum(axis=1) < 0
     return against
+
+
+def still_turned(elasticity: Elasticity, found: Deformation) -> int:
+    """How many faces are turned over beside the rotations that fit the edges best."""
+    return int(_turned(elasticity, found).sum())
 
 
 def without_turned_faces(elasticity: Elasticity, found: Deformation) -> Deformation:
