@@ -12,7 +12,7 @@ from sherd.fitting import fitted as fitted_module
 from sherd.fitting import turned_faces as turned_faces_module
 from sherd.fitting.as_rigid_as_possible import Elasticity
 from sherd.fitting.crossing import without_new_crossings
-from sherd.fitting.deformation import Deformation
+from sherd.fitting.deformation import Deformation, with_rings
 from sherd.fitting.fitted import fitted_shape
 from sherd.fitting.self_intersection import intersecting_faces
 from sherd.fitting.targets import Targets
@@ -123,7 +123,28 @@ def test_a_turned_face_is_turned_back(fork) -> None:
     assert not turned_faces(elasticity.rest, mended.positions, rotations, faces).any()
 
 
-def test_what_is_mended_is_not_let_go_farther_around(fork, monkeypatch) -> None:
+def test_what_is_turned_back_hardly_moves(fork) -> None:
+    """Two vertices beyond a neighbor: only what is within two edges of them moves."""
+    elasticity, seen = fork
+    rest, faces = elasticity.rest, elasticity.mesh.faces
+    bad, folded = rest.copy(), []
+    for side in (rest[:, 0] < 0, rest[:, 0] > 0):
+        limb = np.flatnonzero(~seen & side)
+        vertex = limb[np.argmin(np.abs(rest[limb, 2] - np.median(rest[limb, 2])))]
+        ring = np.unique(faces[(faces == vertex).any(axis=1)])
+        bad[vertex] += 3.0 * (bad[ring[ring != vertex][0]] - bad[vertex])
+        folded.append(int(vertex))
+    found = identity(elasticity, bad)
+    assert still_turned(elasticity, found)
+    mended = without_turned_faces(elasticity, found)
+    assert still_turned(elasticity, mended) == 0
+    moved = np.linalg.norm(mended.positions - bad, axis=1) > 0
+    near = with_rings(elasticity, np.isin(np.arange(len(rest)), folded), 2)
+    assert moved.any()
+    assert not (moved & ~near).any()
+
+
+def test_what_finds_no_room_is_let_go_in_wider_surroundings(fork, monkeypatch) -> None:
     """Of two places with turned faces only the one that stays turned is let go more widely."""
     elasticity, seen = fork
     rest, faces = elasticity.rest, elasticity.mesh.faces
@@ -140,7 +161,7 @@ def test_what_is_mended_is_not_let_go_farther_around(fork, monkeypatch) -> None:
         vertex = limb[np.argmin(np.abs(rest[limb, 2] - np.median(rest[limb, 2])))]
         ring = np.unique(faces[(faces == vertex).any(axis=1)])
         bad[vertex] += 3.0 * (bad[ring[ring != vertex][0]] - bad[vertex])
-    monkeypatch.setattr(turned_faces_module, "_with_same_rotations", mends_the_left)
+    monkeypatch.setattr(turned_faces_module, "SWEEPS", 0)
     monkeypatch.setattr(turned_faces_module, "without_data", mends_the_left)
     without_turned_faces(elasticity, identity(elasticity, bad))
     left = rest[:, 0] < 0

@@ -21,7 +21,6 @@ from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.results.fitted.fit_options import Sizing
 
 __all__ = [
-    "HOLD_LENGTH",
     "Deformation",
     "area_kept",
     "carried_up",
