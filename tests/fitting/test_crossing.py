@@ -102,6 +102,25 @@ def test_bent_limbs_that_were_seen_give_way_to_each_other(fork) -> None:
     assert np.linalg.norm(answer.positions - met, axis=1).max() < 0.1
 
 
+def test_where_pushing_is_enough_all_else_stays(fork) -> None:
+    """A dent in a hidden limb that reaches through the other one: the limb is not turned back."""
+    elasticity, seen = fork
+    rest, faces = elasticity.rest, elasticity.mesh.faces
+    limb = np.flatnonzero(~seen & (rest[:, 0] > 0))
+    height = np.median(rest[limb, 2])
+    dented = rest.copy()
+    near = (rest[:, 0] > 0) & (np.abs(rest[:, 2] - height) < 0.02 * np.ptp(rest[:, 2]))
+    inner = near & (rest[:, 0] < np.median(rest[near, 0]))
+    dented[inner, 0] -= 2.1 * rest[near, 0].min()
+    crossing = intersecting_faces(dented, faces)
+    assert crossing.any()
+    answer = without_new_crossings(elasticity, identity(elasticity, dented), seen)
+    assert not intersecting_faces(answer.positions, faces).any()
+    far = ~with_rings(elasticity, np.isin(np.arange(len(rest)), faces[crossing]), 9)
+    assert (far & ~seen).any()
+    assert (answer.positions[far] == dented[far]).all()
+
+
 def test_what_crosses_nothing_is_left_alone(fork) -> None:
     elasticity, seen = fork
     found = identity(elasticity, elasticity.rest + 1.0)

@@ -16,8 +16,10 @@ from sherd.mesh.geometry import closest_rotation, face_areas, face_normals
 from sherd.mesh.topology import component_labels, renumbered
 from sherd.mesh.triangle_mesh import TriangleMesh
 
-__all__ = ["new_crossings", "without_new_crossings"]
+__all__ = ["MOST_CROSSINGS", "new_crossings", "without_new_crossings"]
 
+# Share of the faces: where pushing leaves so few crossings, nothing is let go.
+MOST_CROSSINGS = 0.001
 # Shares of their own turning that crossing regions are turned back by, the least first.
 SHARES = (0.25, 0.5, 0.75, 1.0)
 # Around crossings of what was seen so many rings of edges are let go.
@@ -35,52 +37,81 @@ AREA_CHANGE = 0.02
 def without_new_crossings(elasticity: Elasticity, found: Deformation, seen: Bools) -> Deformation:
     """The same, or with fewer faces that pierce others and did not in the full shape.
 
+    First what crosses is pushed apart, and so little around it follows that all else stays. Where
+    that leaves too many, patches of the map lie on another limb, and would not be home if they were
+    pushed out of it: see :func:`_let_go`. A step is kept only if it leaves fewer crossings and the
+    area.
+    """
+    before = intersecting_faces(elasticity.rest, elasticity.mesh.faces)
+    pushed = _Fewest(elasticity, found, before)
+    _push_around(elasticity, pushed)
+    if pushed.count <= MOST_CROSSINGS * elasticity.mesh.face_count:
+        return pushed.best
+    return _let_go(elasticity, found, seen, before)
+
+
+def _let_go(elasticity: Elasticity, found: Deformation, seen: Bools, before: Bools) -> Deformation:
+    """The same with fewer crossings: data let go and hidden regions turn back, then all is pushed.
+
     First, where what was seen crosses something, as fingers do that the map mixes up, the data let
     go in wider and wider surroundings, and rotations and places continue from around. Then, hidden
     regions that cross something turn back toward where they are beside the whole in the full shape,
     where they crossed nothing. Last, where two surfaces still go through each other, the hidden
     vertices of each that lie behind the other are pushed before it, and what is around follows;
-    what was seen stays. A step is kept only if it leaves fewer crossings and the area.
+    what was seen stays.
     """
-    faces = elasticity.mesh.faces
-    before = intersecting_faces(elasticity.rest, faces)
-    pairs = _new_pairs(found.positions, faces, before)
-    if not len(pairs):
-        return found
-    wanted = elasticity.mesh.face_areas @ (found.sizes[faces] ** 2).mean(axis=1)
-    best, least = found, pairs
-
-    def off(step: Deformation) -> float:
-        return abs(float(face_areas(step.positions, faces).sum() / wanted) - 1)
-
-    most = max(off(found), AREA_CHANGE)
-
-    def kept(step: Deformation) -> bool:
-        return kept_as(step, _new_pairs(step.positions, faces, before))
-
-    def kept_as(step: Deformation, crossing: Ints) -> bool:
-        nonlocal best, least
-        fewer = len(np.unique(crossing)) < len(np.unique(least))
-        if fewer and off(step) <= most:
-            best, least = step, crossing
-        return len(least) > 0
-
+    fewest = _Fewest(elasticity, found, before)
     for rings in RINGS:
-        if not seen[faces[np.unique(least)]].any():
+        if not seen[elasticity.mesh.faces[np.unique(fewest.pairs)]].any():
             break
-        if not kept(_released(elasticity, best, least, seen, rings)):
-            return best
+        fewest.show(_released(elasticity, fewest.best, fewest.pairs, seen, rings))
+        if not fewest.count:
+            return fewest.best
     if not seen.all():
-        turning = _turning_back(elasticity, best, least, seen)
+        turning = _turning_back(elasticity, fewest.best, fewest.pairs, seen)
         for share in SHARES:
-            if not kept(turning(share)):
-                return best
-        for step, crossing in _pushes(elasticity, best, least, before, seen):
-            kept_as(step, crossing)
-    for rings in RINGS if len(least) else ():
-        if not kept(_pushed_around(elasticity, best, least, before, rings)):
+            fewest.show(turning(share))
+            if not fewest.count:
+                return fewest.best
+        for step in _pushes(elasticity, fewest.best, fewest.pairs, before, seen):
+            fewest.show(*step)
+    _push_around(elasticity, fewest)
+    return fewest.best
+
+
+class _Fewest:
+    """Of deformations that are shown, the one with the fewest crossings that keeps the area."""
+
+    def __init__(self, elasticity: Elasticity, found: Deformation, before: Bools) -> None:
+        self.mesh, self.before = elasticity.mesh, before
+        sizes = found.sizes[self.mesh.faces]
+        self.area = float(self.mesh.face_areas @ (sizes**2).mean(axis=1))
+        self.most_off = max(self._off(found), AREA_CHANGE)
+        self.best = found
+        self.pairs = _new_pairs(found.positions, self.mesh.faces, before)
+
+    @property
+    def count(self) -> int:
+        """How many faces cross."""
+        return len(np.unique(self.pairs))
+
+    def show(self, step: Deformation, pairs: Ints | None = None) -> None:
+        """Keep `step`, of which `pairs` cross, if it is better."""
+        if pairs is None:
+            pairs = _new_pairs(step.positions, self.mesh.faces, self.before)
+        if len(np.unique(pairs)) < self.count and self._off(step) <= self.most_off:
+            self.best, self.pairs = step, pairs
+
+    def _off(self, step: Deformation) -> float:
+        return abs(float(face_areas(step.positions, self.mesh.faces).sum() / self.area) - 1)
+
+
+def _push_around(elasticity: Elasticity, fewest: _Fewest) -> None:
+    """Push what crosses apart, seen or not, while more and more around it may follow."""
+    for rings in RINGS:
+        if not fewest.count:
             break
-    return best
+        fewest.show(_pushed_around(elasticity, fewest.best, fewest.pairs, fewest.before, rings))
 
 
 def _released(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from sherd.fitting.as_rigid_as_possible import Elasticity
-from sherd.fitting.crossing import new_crossings, without_new_crossings
+from sherd.fitting.crossing import MOST_CROSSINGS, new_crossings, without_new_crossings
 from sherd.fitting.deformation import (
     Deformation,
     carried_up,
@@ -27,9 +27,6 @@ __all__ = ["fitted_shape"]
 # Poses are decided on so many vertices: 0.04 s for a factorization and a solve, where 10,000 take
 # 0.2 s, and joints are still a dozen edges around.
 COARSE = 4000
-# Share of the faces: a fit of which more pierce others is in doubt, so the smooth one is tried; as
-# it is where a face stays turned over, which no fit may have if it can be helped.
-MOST_CROSSINGS = 0.001
 
 
 def fitted_shape(
@@ -57,6 +54,7 @@ def fitted_shape(
             found = without_new_crossings(own, without_turned_faces(own, found), targets.seen)
             found = without_turned_faces(own, found)
             turned, crossings = still_turned(own, found), new_crossings(own, found)
+            # a fit of which more pierce others, or with a face that stays turned over, is in doubt
             if turned == 0 and crossings <= MOST_CROSSINGS * shape.face_count:
                 return found
             tried.append((turned, crossings, found))
