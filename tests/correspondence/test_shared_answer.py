@@ -57,9 +57,6 @@ class Asked(module._Asked):
     def expected(self, labelings: Any) -> float:
         return logit(labelings.seen)
 
-    def finished(self, labelings: Any) -> Any:
-        return labelings
-
     def looked_at(self, labelings: Any) -> SharedAnswer:
         self.done.append(f"look at {labelings.name}")
         return labelings.judged(labelings.looked)
@@ -68,7 +65,7 @@ class Asked(module._Asked):
         self.done.append(f"lay {labelings.name}")
         return labelings.judged(labelings.there)
 
-    def closer(self, look: SharedAnswer) -> SharedAnswer:
+    def finished(self, look: SharedAnswer) -> SharedAnswer:
         return self.answer(look.labelings)
 
 
@@ -119,12 +116,17 @@ def test_what_cannot_be_sure_is_not_laid_where_another_place_is_likelier(ask, mo
 def test_the_likeliest_by_their_labels_are_looked_at_and_one_of_them_is_laid(ask) -> None:
     first = Labeled("first", chance=0.3, there=0.2, seen=0.1)
     dim = [Labeled(f"dim {k}", chance=0.9, there=0.99, seen=0.02 * k) for k in range(1, 4)]
-    bright = [Labeled(f"bright {k}", chance=0.9, there=0.3 + 0.1 * k, seen=0.9) for k in range(3)]
+    bright = [
+        Labeled(f"bright {k}", chance=0.9, there=0.3 + 0.1 * k, seen=0.9) for k in range(LOOKED)
+    ]
     best = ask(first, *dim, *bright)
-    assert best.placements == "bright 2"
+    assert best.placements == f"bright {LOOKED - 1}"
     looks = [each for each in ask.done if each.startswith("look")]
     assert sorted(looks) == [f"look at bright {k}" for k in range(LOOKED)]
-    assert [each for each in ask.done if each.startswith("lay")] == ["lay first", "lay bright 2"]
+    assert [each for each in ask.done if each.startswith("lay")] == [
+        "lay first",
+        f"lay bright {LOOKED - 1}",
+    ]
 
 
 def test_what_is_not_laid_is_a_rival_all_the_same(ask, monkeypatch) -> None:
@@ -136,7 +138,7 @@ def test_what_is_not_laid_is_a_rival_all_the_same(ask, monkeypatch) -> None:
 
     monkeypatch.setattr(module, "place_chances", chances)
     first = Labeled("first", chance=0.3, there=0.9)
-    others = [Labeled(f"other {k}", chance=0.9, there=0.1 + 0.1 * k) for k in range(4)]
+    others = [Labeled(f"other {k}", chance=0.9, there=0.1 + 0.1 * k) for k in range(LOOKED + 2)]
     ask(first, *others)
     assert sorted(rivals[-1]) == pytest.approx([logit(each.there) for each in others])
 

@@ -92,12 +92,12 @@ def labelings_by_form(
 
 
 def finished_place(problems: Both[Problem], begun: TwoLabelings) -> TwoLabelings:
-    """Labelings of both directions as all rounds make them."""
+    """Labelings of both directions as all rounds make them; the same ones if these save no more."""
     found, agrees = (begun.forward, begun.backward), (begun.forward_agrees, begun.backward_agrees)
     kept = (_only(found[0], agrees[0]), _only(found[1], agrees[1]))
     agreed = Agreed(found, agrees, begun.agreement, saved(problems, kept, begun.chance))
     last = finished(problems, begun.chance, agreed)
-    return described(problems, begun.chance, last, begun.first_ratio)
+    return begun if last is agreed else described(problems, begun.chance, last, begun.first_ratio)
 
 
 def _only(labeling: Labeling, kept: Bools) -> Labeling:
