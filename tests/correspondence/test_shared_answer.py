@@ -129,6 +129,17 @@ def test_the_likeliest_by_their_labels_are_looked_at_and_one_of_them_is_laid(ask
     ]
 
 
+@pytest.mark.parametrize("may_be", [True, False])
+def test_where_no_place_is_likely_what_saves_most_stays(ask, monkeypatch, may_be) -> None:
+    monkeypatch.setattr(module, "may_be_sure", lambda *_: may_be)
+    first = Labeled("first", chance=0.3, there=0.01)
+    assert ask(first, Labeled("other", chance=0.9, there=0.05)).placements == "first"
+    assert "lay other" not in ask.done
+    others = [Labeled(f"other {k}", chance=0.9, there=0.05) for k in range(LOOKED)]
+    assert ask(first, *others).placements == "first"
+    assert ask(first, Labeled("other", chance=0.9, there=0.15)).placements == "other"
+
+
 def test_what_is_not_laid_is_a_rival_all_the_same(ask, monkeypatch) -> None:
     rivals: list[list[float]] = []
 

@@ -59,6 +59,9 @@ __all__ = ["SharedAnswer", "shared_answer"]
 # are not sure all 11 right places are among the first three, 10 among two; in another order of
 # starts one was the fourth, by a hair.
 LOOKED = 4
+# The logarithm of odds below which what saves most stays: where no place is even a tenth as likely
+# to be right as to be wrong, another one is a guess as well, and saves less.
+LEAST_BELIEVED = -2.3
 # What knows what viewers could not see is believed where its odds are half of those of what does
 # not know it.
 VIEWED = 2.0
@@ -169,16 +172,18 @@ def _laid_where_likely(asked: _Asked, laid: list[SharedAnswer]) -> list[float]:
     begun = labelings_by_form(asked.problems, asked.forms, asked.labelings)
     promising = sorted([asked.labelings, *begun], key=asked.expected, reverse=True)
     near = [each for each in promising[:LOOKED] if each not in done]
-    elsewhere = [asked.expected(each) for each in promising[LOOKED:] if each not in done]
-    looks = side_by_side(partial(asked.looked_at, each) for each in near)
-    odds = [each.place_log_odds + CLOSER_RISE for each in looks]
-    if odds and max(odds) > max((each.place_log_odds for each in laid), default=-np.inf):
-        best = int(np.argmax(odds))
-        laid.append(asked.finished(looks[best]))
-        del odds[best]
-    elif not laid:  # nothing can be judged anywhere
-        laid.append(asked.answer(asked.labelings))
-    return elsewhere + odds
+    found = side_by_side(partial(asked.looked_at, each) for each in near)
+    looks = dict(zip(near, found, strict=True))
+    odds = {each: asked.expected(each) for each in promising[LOOKED:] if each not in done}
+    odds |= {each: look.place_log_odds + CLOSER_RISE for each, look in looks.items()}
+    best = max(looks, key=lambda each: odds[each], default=asked.labelings)
+    if odds.get(best, LEAST_BELIEVED) < LEAST_BELIEVED:
+        best = asked.labelings
+    reached = max((each.place_log_odds for each in laid), default=None)
+    if best not in done and (reached is None or odds[best] > reached):
+        laid.append(asked.finished(looks[best]) if best in looks else asked.answer(best))
+        odds.pop(best, None)
+    return list(odds.values())
 
 
 def _labelings_of_viewers(
