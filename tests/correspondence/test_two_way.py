@@ -119,18 +119,13 @@ def saving(monkeypatch, *, again: list[float], filled: float) -> tuple[Agreed, l
     """What is left of an answer that saves 1, by what rounds save, and the price of each round."""
     left, prices = list(again), []
 
-    def round_of(
-        _: Any, __: Any, start: Any, *, labeled: Any, price: float = PRICE_SHARE, **___: Any
-    ) -> Agreed:
+    def round_of(*_: Any, labeled: Any, price: float = PRICE_SHARE, **__: Any) -> Agreed:
         prices.append(price)
         if labeled is labeled_around:
-            return Agreed(full, nothing, 0.9, filled)
-        if start is full:
-            return Agreed(nothing, nothing, 0.7, 0.0)
+            return Agreed(nothing, nothing, 0.9, filled)
         return Agreed(nothing, nothing, 0.4, left.pop(0))
 
     nothing: Any = (None, None)
-    full: Any = ("filled", "filled")
     monkeypatch.setattr(two_way, "_agreed", round_of)
     begun = Agreed(nothing, nothing, 0.3, 1.0)
     return finished(nothing, (1.0, 1.0), begun), prices
@@ -140,14 +135,7 @@ def test_what_is_kept_grows_at_last_into_what_did_not_agree(monkeypatch) -> None
     """Where nowhere costs as much as at the start, if that saves more by the price of half."""
     best, prices = saving(monkeypatch, again=[2.0, 1.5], filled=3.0)
     assert best.saved == 3.0
-    assert prices == [PRICE_SHARE, PRICE_SHARE, two_way.STARTING_PRICE, PRICE_SHARE]
+    assert best.agreement == 0.4  # what only hears of what agrees does agree
+    assert prices == [PRICE_SHARE, PRICE_SHARE, two_way.STARTING_PRICE]
     best, _ = saving(monkeypatch, again=[2.0, 1.5], filled=1.8)
     assert best.saved == 2.0
-    assert best.agreement == 0.4
-
-
-def test_what_filled_agrees_as_far_as_nodes_stay_that_may_go_anywhere(monkeypatch) -> None:
-    """What only hears of what agrees does agree, wherever it lies."""
-    best, _ = saving(monkeypatch, again=[2.0, 1.5], filled=3.0)
-    assert best.agreement == 0.7
-    assert best.found == ("filled", "filled")

@@ -264,12 +264,8 @@ def finished(problems: Both[Problem], chance: Both[float], best: Agreed) -> Agre
     filled = _agreed(
         problems, chance, best.found, inside=LIMIT, labeled=labeled_around, price=FILLING_PRICE
     )
-    if filled.saved <= best.saved:
-        return best
-    # its nodes heard of little but what agrees, so that they agree proves nothing: ask where each
-    # goes that may go where it looks most alike
-    free = _agreed(problems, chance, filled.found, inside=LIMIT, labeled=_labeled_again)
-    return replace(filled, agreement=free.agreement)
+    # its nodes heard of little but what agrees, so that they agree now proves nothing
+    return replace(filled, agreement=best.agreement) if filled.saved > best.saved else best
 
 
 def _grown(problems: Both[Problem], chance: Both[float], tried: list[Agreed]) -> Agreed:
