@@ -115,8 +115,8 @@ def overlap(
 
     Notes
     -----
-    Costs 0.7 to 1.6 times what :func:`sherd.match` does, and about three times as much where the
-    first answer is not sure.
+    Costs 0.7 to 1.6 times what :func:`sherd.match` does, and two to three times as much as that
+    does where the first answer is not sure.
 
     Examples
     --------

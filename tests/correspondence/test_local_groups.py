@@ -14,7 +14,7 @@ from sherd.correspondence.labels.local_groups import CANDIDATES, local_groups
 from sherd.correspondence.labels.places import UNEQUAL, followed, further_labelings
 from sherd.correspondence.labels.two_way import TwoLabelings, two_way_labelings
 from sherd.correspondence.shared import places_by_form
-from sherd.correspondence.shared.places_by_form import labelings_by_form
+from sherd.correspondence.shared.places_by_form import finished_place, labelings_by_form
 from sherd.correspondence.shared.relief import alike_at_labels
 
 SHIFTS = 16
@@ -151,6 +151,19 @@ def test_places_by_form_are_different_and_not_known(there, back, nowhere, forms)
     assert 0 < len(found) <= places_by_form.LEFT[-1]
     again = labelings_by_form(problems, forms, found[0])
     assert not any(alike(problems, each, found[0]) for each in again)
+
+
+def test_a_place_that_may_be_believed_has_its_last_rounds(
+    planted, there, back, nowhere, forms, monkeypatch
+) -> None:
+    problems = (there, back)
+    begun = labelings_by_form(problems, forms, nowhere)[0]
+    done = finished_place(problems, begun)
+    assert alike(problems, done, begun)
+    assert most_right(planted, [done]) >= most_right(planted, [begun])
+    # what saves no more is what it was, so what was laid by it need not be laid again
+    monkeypatch.setattr(places_by_form, "finished", lambda _, __, agreed: agreed)
+    assert finished_place(problems, begun) is begun
 
 
 def test_forms_are_alike_at_right_labels_and_prove_more_on_more_nodes(

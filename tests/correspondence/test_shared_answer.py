@@ -1,7 +1,8 @@
-"""Which of several places two shapes are laid at, and what is said of it."""
+"""At which of several places two shapes are laid, and what is said of it."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from types import SimpleNamespace
 from typing import Any
 
@@ -9,124 +10,216 @@ import numpy as np
 import pytest
 
 from sherd.correspondence.shared import answer as module
-from sherd.correspondence.shared.answer import SharedAnswer, shared_answer
-from sherd.correspondence.shared.likeness import Likeness
+from sherd.correspondence.shared.answer import LOOKED, SharedAnswer, shared_answer
 from sherd.results.advice import SURE
 
 # What all evidence says of any further place.
 FURTHER = 0.8
 
 
-def labeling(name: str, *, chance: float, there: float, most: float = 0.995) -> Any:
-    """What saves most or lies elsewhere, with its chances, as an answer and beside others."""
-    return SimpleNamespace(
-        name=name, own=chance, there=there, most=most, first_ratio=0.6, chance=(20.0, 20.0)
-    )
+def logit(chance: float) -> float:
+    return float(np.log(chance / (1.0 - chance)))
+
+
+class Labeled:
+    """What saves most or lies elsewhere: what labels, a first look and what is laid say of it."""
+
+    def __init__(
+        self,
+        name: str,
+        *,
+        chance: float,
+        there: float,
+        seen: float | None = None,
+        looked: float | None = None,
+        most: float = 0.995,
+    ) -> None:
+        self.name, self.chance, self.there, self.most = name, chance, there, most
+        self.looked = there if looked is None else looked
+        self.seen = self.looked if seen is None else seen
+
+    def judged(self, there: float) -> SharedAnswer:
+        """Whose chance beside no other is `there`."""
+        return SharedAnswer(
+            self, self.name, logit(there), 0.0, min(self.chance, self.most), self.most, False
+        )
+
+
+class Asked(module._Asked):
+    """Knows what all labelings lead to, and what was done with them."""
+
+    done: list[str]
+    forms = (None, None)
+
+    def seen(self, labelings: Any) -> Any:
+        return labelings
+
+    def expected(self, labelings: Any) -> float:
+        return logit(labelings.seen)
+
+    def looked_at(self, labelings: Any) -> SharedAnswer:
+        self.done.append(f"look at {labelings.name}")
+        return labelings.judged(labelings.looked)
+
+    def answer(self, labelings: Any) -> SharedAnswer:
+        self.done.append(f"lay {labelings.name}")
+        return labelings.judged(labelings.there)
+
+    def finished(self, look: SharedAnswer) -> SharedAnswer:
+        return self.answer(look.labelings)
 
 
 @pytest.fixture
-def asked(monkeypatch) -> list[str]:
-    """Answers are labelings, which know their chances; the names of those that were laid."""
-    laid: list[str] = []
+def ask(monkeypatch) -> Callable[..., SharedAnswer]:
+    """Ask about what saves most and other places; `ask.done` is what was done."""
+    done: list[str] = []
 
-    def lay(_: Any, each: Any, **__: Any) -> Any:
-        laid.append(each.name)
-        return each
+    def asked(first: Labeled, *others: Labeled) -> SharedAnswer:
+        done.clear()
+        monkeypatch.setattr(module, "labelings_by_form", lambda *_: list(others))
+        question = SimpleNamespace(part=SimpleNamespace(mesh=None, viewer=None))
+        nothing: Any = (None, None)
+        return shared_answer((question, question), nothing, first, nothing, strain=0.3, seed=0)
 
-    monkeypatch.setattr(module, "placed_together", lay)
-    monkeypatch.setattr(module, "likeness_of_both", lambda *_: Likeness(0.02, 0.8, 0.8))
-    monkeypatch.setattr(module, "most_open", lambda *_: 0.0)
-    monkeypatch.setattr(module, "overlap_log_odds", lambda each, *_: each.own)
-    monkeypatch.setattr(module, "overlap_chance", min)
-    monkeypatch.setattr(module, "most_chance", lambda each, _: each.most)
+    monkeypatch.setattr(Asked, "done", done, raising=False)
+    monkeypatch.setattr(module, "_Asked", Asked)
+    monkeypatch.setattr(module, "may_be_sure", lambda *_: True)
     monkeypatch.setattr(module, "further_chance", lambda *_: FURTHER)
-    monkeypatch.setattr(module, "form", lambda _: None)
-    monkeypatch.setattr(module, "alike_in", lambda _, __, each: each.there)
-    monkeypatch.setattr(module, "shared_area", lambda *_: 1.0)
-    monkeypatch.setattr(module, "form_log_odds", lambda _, __, form, *___: form)
-    monkeypatch.setattr(module, "place_chances", lambda _, by_form, __: np.array(by_form))
-    monkeypatch.setattr(module, "are_rivals", lambda *_: None)
-    return laid
-
-
-def answered(monkeypatch: Any, first: Any, *others: Any) -> SharedAnswer:
-    monkeypatch.setattr(module, "labelings_by_form", lambda *_: list(others))
-    question = SimpleNamespace(part=SimpleNamespace(mesh=None, viewer=None))
-    nothing: Any = (None, None)
-    return shared_answer((question, question), nothing, first, nothing, strain=0.3, seed=0)
-
-
-def test_a_sure_answer_is_asked_nothing_more(monkeypatch, asked) -> None:
-    best = answered(
-        monkeypatch,
-        labeling("first", chance=0.9, there=0.1),
-        labeling("other", chance=0.95, there=0.9),
+    monkeypatch.setattr(module, "place_log_odds", lambda by_labels, _: by_labels)
+    monkeypatch.setattr(module, "CLOSER_RISE", 0.0)
+    monkeypatch.setattr(module, "are_rivals", lambda _, each: np.zeros((len(each), len(each))))
+    monkeypatch.setattr(
+        module, "place_chances", lambda odds, _, __: 1 / (1 + np.exp(-np.array(odds)))
     )
-    assert asked == ["first"]
+    asked.done = done  # type: ignore[attr-defined]
+    return asked
+
+
+def test_a_sure_answer_is_asked_nothing_more(ask) -> None:
+    best = ask(Labeled("first", chance=0.9, there=0.1), Labeled("other", chance=0.95, there=0.9))
+    assert ask.done == ["lay first"]
     assert best.chance == 0.9
 
 
-def test_another_place_is_believed_as_far_as_both_chances_say(monkeypatch, asked) -> None:
-    first = labeling("first", chance=0.3, there=0.2)
-    other = labeling("other", chance=0.95, there=0.45)
-    worse = labeling("worse", chance=0.99, there=0.4)
-    best = answered(monkeypatch, first, worse, other)
-    assert sorted(asked) == ["first", "other", "worse"]
-    assert best.placements is other
-    assert best.chance == 0.45
-    assert answered(monkeypatch, first, labeling("dim", chance=0.4, there=0.9)).chance == 0.4
+def test_what_cannot_be_sure_is_not_laid_where_another_place_is_likelier(ask, monkeypatch) -> None:
+    monkeypatch.setattr(module, "may_be_sure", lambda *_: False)
+    first = Labeled("first", chance=0.3, there=0.2)
+    assert ask(first, Labeled("other", chance=0.95, there=0.45)).placements == "other"
+    assert sorted(ask.done) == ["lay other", "look at first", "look at other"]
+    assert ask(first, Labeled("other", chance=0.95, there=0.1)).placements == "first"
+    assert ask.done.count("lay first") == 1
+    assert "lay other" not in ask.done
+    nothing = Labeled("nothing", chance=0.005, there=1e-300)
+    assert ask(nothing).placements == "nothing"
 
 
-def test_another_place_needs_more_evidence_than_what_saves_most(monkeypatch, asked) -> None:
+def test_the_likeliest_by_their_labels_are_looked_at_and_one_of_them_is_laid(ask) -> None:
+    first = Labeled("first", chance=0.3, there=0.2, seen=0.1)
+    dim = [Labeled(f"dim {k}", chance=0.9, there=0.99, seen=0.02 * k) for k in range(1, 4)]
+    bright = [
+        Labeled(f"bright {k}", chance=0.9, there=0.3 + 0.1 * k, seen=0.9) for k in range(LOOKED)
+    ]
+    best = ask(first, *dim, *bright)
+    assert best.placements == f"bright {LOOKED - 1}"
+    looks = [each for each in ask.done if each.startswith("look")]
+    assert sorted(looks) == [f"look at bright {k}" for k in range(LOOKED)]
+    assert [each for each in ask.done if each.startswith("lay")] == [
+        "lay first",
+        f"lay bright {LOOKED - 1}",
+    ]
+
+
+@pytest.mark.parametrize("may_be", [True, False])
+def test_where_no_place_is_likely_what_saves_most_stays(ask, monkeypatch, may_be) -> None:
+    monkeypatch.setattr(module, "may_be_sure", lambda *_: may_be)
+    first = Labeled("first", chance=0.3, there=0.01)
+    assert ask(first, Labeled("other", chance=0.9, there=0.05)).placements == "first"
+    assert "lay other" not in ask.done
+    others = [Labeled(f"other {k}", chance=0.9, there=0.05) for k in range(LOOKED)]
+    assert ask(first, *others).placements == "first"
+    assert ask(first, Labeled("other", chance=0.9, there=0.15)).placements == "other"
+
+
+def test_what_is_not_laid_is_a_rival_all_the_same(ask, monkeypatch) -> None:
+    rivals: list[list[float]] = []
+
+    def chances(odds: list[float], _: Any, elsewhere: list[float]) -> np.ndarray:
+        rivals.append(elsewhere)
+        return 1 / (1 + np.exp(-np.array(odds)))
+
+    monkeypatch.setattr(module, "place_chances", chances)
+    first = Labeled("first", chance=0.3, there=0.9)
+    others = [Labeled(f"other {k}", chance=0.9, there=0.1 + 0.1 * k) for k in range(LOOKED + 2)]
+    ask(first, *others)
+    assert sorted(rivals[-1]) == pytest.approx([logit(each.there) for each in others])
+
+
+def test_another_place_is_believed_as_far_as_both_chances_say(ask) -> None:
+    first = Labeled("first", chance=0.3, there=0.2)
+    other = Labeled("other", chance=0.95, there=0.45)
+    best = ask(first, Labeled("worse", chance=0.99, there=0.4), other)
+    assert best.placements == "other"
+    assert best.chance == pytest.approx(0.45)
+    assert ask(first, Labeled("dim", chance=0.4, there=0.9)).chance == 0.4
+
+
+def test_another_place_needs_more_evidence_than_what_saves_most(ask, monkeypatch) -> None:
     """Who asks until the answer pleases has proved nothing."""
-    first = labeling("first", chance=0.3, there=0.2)
-    best = answered(monkeypatch, first, labeling("other", chance=0.99, there=0.99))
+    first = Labeled("first", chance=0.3, there=0.2)
+    best = ask(first, Labeled("other", chance=0.99, there=0.99))
     assert best.chance == FURTHER > SURE
     monkeypatch.setattr(module, "further_chance", lambda *_: 0.4)
-    best = answered(monkeypatch, first, labeling("other", chance=0.99, there=0.99))
-    assert best.placements.name == "other"
+    best = ask(first, Labeled("other", chance=0.99, there=0.99))
+    assert best.placements == "other"
     assert best.chance == 0.4
 
 
-def test_what_saves_most_is_as_likely_as_its_place_beside_the_others(monkeypatch, asked) -> None:
-    first = labeling("first", chance=0.3, there=0.9)
-    best = answered(monkeypatch, first, labeling("other", chance=0.99, there=0.5))
-    assert best.placements is first
-    assert best.chance == 0.9
-    assert answered(monkeypatch, first).chance == 0.9
-    assert len(asked) == 3
+def test_what_saves_most_is_as_likely_as_its_place_beside_the_others(ask) -> None:
+    first = Labeled("first", chance=0.3, there=0.9)
+    best = ask(first, Labeled("other", chance=0.99, there=0.5))
+    assert best.placements == "first"
+    assert best.chance == pytest.approx(0.9)
+    assert ask(first).chance == pytest.approx(0.9)
 
 
-def test_what_saves_most_is_not_believed_where_something_forbids_it(monkeypatch, asked) -> None:
+def test_a_place_that_a_closer_look_disappoints_gives_way_to_what_is_laid(ask) -> None:
+    first = Labeled("first", chance=0.3, there=0.4)
+    other = Labeled("other", chance=0.9, there=0.1, looked=0.6)
+    assert ask(first, other).placements == "first"
+    assert ask.done[-1] == "lay other"
+
+
+def test_what_saves_most_is_not_believed_where_something_forbids_it(ask) -> None:
     """Limbs of both sides are as alike in form as limbs of one, and no place is better."""
-    first = labeling("first", chance=0.1, there=0.9, most=0.15)
-    best = answered(monkeypatch, first, labeling("other", chance=0.99, there=0.5))
-    assert best.placements is first
+    first = Labeled("first", chance=0.1, there=0.9, most=0.15)
+    best = ask(first, Labeled("other", chance=0.99, there=0.5))
+    assert best.placements == "first"
     assert best.chance == 0.15
 
 
-def test_what_viewers_saw_is_preferred_and_never_good(monkeypatch, asked) -> None:
+def test_what_viewers_saw_is_preferred_and_never_good(ask, monkeypatch) -> None:
     """It begins where the others lie, so it shares their chance; it knows more."""
     monkeypatch.setattr(module, "are_views", lambda _: True)
-    seen = iter([labeling("seen", chance=0.99, there=0.4), labeling("also", chance=0.9, there=0.1)])
+    monkeypatch.setattr(module, "may_be_sure", lambda *_: False)
+    seen = iter([Labeled("seen", chance=0.99, there=0.4), Labeled("also", chance=0.9, there=0.1)])
     monkeypatch.setattr(module, "_labelings_of_viewers", lambda *_: next(seen))
-    first = labeling("first", chance=0.3, there=0.2)
-    best = answered(monkeypatch, first, labeling("other", chance=0.9, there=0.5))
-    assert sorted(asked) == ["also", "first", "other", "seen"]
-    assert best.placements.name == "seen"
-    assert best.chance == 0.4
-    seen = iter([labeling("seen", chance=0.99, there=0.9), labeling("also", chance=0.9, there=0.1)])
-    best = answered(monkeypatch, first, labeling("other", chance=0.9, there=0.5))
+    first = Labeled("first", chance=0.3, there=0.2)
+    best = ask(first, Labeled("other", chance=0.9, there=0.5))
+    laid = [each for each in ask.done if each.startswith("lay")]
+    assert sorted(laid) == ["lay also", "lay first", "lay other", "lay seen"]
+    assert best.placements == "seen"
+    assert best.chance == pytest.approx(0.4)
+    seen = iter([Labeled("seen", chance=0.99, there=0.9), Labeled("also", chance=0.9, there=0.1)])
+    best = ask(first, Labeled("other", chance=0.9, there=0.5))
     assert best.chance == module.VIEWED_CHANCE < SURE
 
 
-def test_what_viewers_saw_gives_way_to_what_is_far_more_likely(monkeypatch, asked) -> None:
+def test_what_viewers_saw_gives_way_to_what_is_far_more_likely(ask, monkeypatch) -> None:
     monkeypatch.setattr(module, "are_views", lambda _: True)
     monkeypatch.setattr(
-        module, "_labelings_of_viewers", lambda *_: labeling("seen", chance=0.99, there=0.2)
+        module, "_labelings_of_viewers", lambda *_: Labeled("seen", chance=0.99, there=0.2)
     )
-    first = labeling("first", chance=0.3, there=0.5)
-    best = answered(monkeypatch, first)
-    assert asked == ["first", "seen"]
-    assert best.placements is first
+    best = ask(Labeled("first", chance=0.3, there=0.5))
+    assert ask.done == ["lay first", "lay seen"]
+    assert best.placements == "first"
     assert best.chance == 0.3  # half of a view may be laid wrongly where its place is right

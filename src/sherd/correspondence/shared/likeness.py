@@ -22,7 +22,7 @@ from sherd.descriptors.rotation_shot import trusted_equally
 from sherd.surface.described import RADII, DescribedSurface
 from sherd.surface.transformed import mirrored
 
-__all__ = ["Likeness", "likeness_inside"]
+__all__ = ["Likeness", "likeness_inside", "mean_likeness"]
 
 # A place is known to within the middle radius of the neighborhoods that are compared; what is
 # nearer than that is the same place.
@@ -97,4 +97,15 @@ def likeness_inside(question: Question, there: Floats, own: Bools, other: Bools)
         lack=float(np.average(lack, weights=weights)),
         leading=float(np.average(more_alike < 1.0 / LEADING, weights=weights)),
         handed=float(np.average(here > image_here, weights=weights)),
+    )
+
+
+def mean_likeness(one: Likeness | None, other: Likeness | None) -> Likeness | None:
+    """Mean of both directions; None where either says nothing."""
+    if one is None or other is None:
+        return None
+    return Likeness(
+        lack=0.5 * (one.lack + other.lack),
+        leading=0.5 * (one.leading + other.leading),
+        handed=0.5 * (one.handed + other.handed),
     )
