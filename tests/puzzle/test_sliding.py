@@ -141,6 +141,12 @@ def test_what_was_sure_is_refused_where_its_slide_says_it_is_something_else(ques
     assert chance_where_it_slid(0.9, questions, home) >= 0.9
 
 
+def test_what_was_likely_is_refused_where_it_slides_to_nothing_alike(questions) -> None:
+    """By accident a small place may have a relief that is alike before, at one width."""
+    elsewhere = half_shared(moved(questions, turned_over(questions)))
+    assert chance_where_it_slid(0.6, questions, elsewhere) < 0.1
+
+
 def test_of_what_lies_wholly_within_the_other_the_chance_stands(questions) -> None:
     home = laid(questions, (true_places(questions[0]), true_places(questions[1])))
     assert chance_where_it_slid(0.3, questions, home) == 0.3
