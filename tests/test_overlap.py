@@ -129,11 +129,14 @@ def test_what_is_ignored_is_not_shared_and_what_does_not_exist_is_refused(fragme
         sherd.OverlapOptions(strain=0.0)
 
 
-def test_a_dot_beside_the_other_is_refused(fragments) -> None:
+def test_a_dot_beside_the_other_is_refused_and_the_scale_between_units_told(fragments) -> None:
     front, rear = fragments
     small = rear.mesh.with_vertices(rear.mesh.vertices * 1e-3)
-    with pytest.raises(InfeasibleError, match="in different units"):
-        sherd.overlap(front.mesh, small)
+    equal = 1e3 * front.mesh.length / rear.mesh.length
+    for scale in ("same", "unknown", 1e-1):
+        with pytest.raises(InfeasibleError, match="in different units") as refused:
+            sherd.overlap(front.mesh, small, scale=scale)
+        assert f"{equal:.4g} would make them equally large" in str(refused.value)
 
 
 def test_a_left_leg_is_not_taken_for_a_right_one() -> None:

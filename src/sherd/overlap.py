@@ -225,7 +225,8 @@ def check_overlap_sizes(shapes: Both[KeptShape], factor: float) -> None:
     if not SMALLEST_PART < ratio < 1 / SMALLEST_PART:
         raise InfeasibleError(
             f"{shapes[1].mesh.name} has {ratio:.4g} times the area of {shapes[0].mesh.name}, so "
-            "nothing can be found; are the two in different units?"
+            "nothing can be found; if the two are in different units, give the scale between them: "
+            f"{factor / np.sqrt(ratio):.4g} would make them equally large"
         )
 
 
