@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from types import SimpleNamespace
 from typing import Any
 
@@ -11,6 +10,7 @@ import pytest
 
 from sherd.correspondence.shared import answer as module
 from sherd.correspondence.shared.answer import LOOKED, SharedAnswer, shared_answer
+from sherd.correspondence.shared.likeness import Likeness
 from sherd.results.advice import SURE
 
 # What all evidence says of any further place.
@@ -69,19 +69,24 @@ class Asked(module._Asked):
         return self.answer(look.labelings)
 
 
-@pytest.fixture
-def ask(monkeypatch) -> Callable[..., SharedAnswer]:
-    """Ask about what saves most and other places; `ask.done` is what was done."""
-    done: list[str] = []
+class Ask:
+    """Asks about what saves most and other places; `done` is what was done."""
 
-    def asked(first: Labeled, *others: Labeled) -> SharedAnswer:
-        done.clear()
-        monkeypatch.setattr(module, "labelings_by_form", lambda *_: list(others))
+    def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        self.monkeypatch = monkeypatch
+        self.done: list[str] = []
+        monkeypatch.setattr(Asked, "done", self.done, raising=False)
+
+    def __call__(self, first: Labeled, *others: Labeled) -> SharedAnswer:
+        self.done.clear()
+        self.monkeypatch.setattr(module, "labelings_by_form", lambda *_: list(others))
         question = SimpleNamespace(part=SimpleNamespace(mesh=None, viewer=None))
         nothing: Any = (None, None)
         return shared_answer((question, question), nothing, first, nothing, strain=0.3, seed=0)
 
-    monkeypatch.setattr(Asked, "done", done, raising=False)
+
+@pytest.fixture
+def ask(monkeypatch) -> Ask:
     monkeypatch.setattr(module, "_Asked", Asked)
     monkeypatch.setattr(module, "may_be_sure", lambda *_: True)
     monkeypatch.setattr(module, "further_chance", lambda *_: FURTHER)
@@ -91,8 +96,7 @@ def ask(monkeypatch) -> Callable[..., SharedAnswer]:
     monkeypatch.setattr(
         module, "place_chances", lambda odds, _, __: 1 / (1 + np.exp(-np.array(odds)))
     )
-    asked.done = done  # type: ignore[attr-defined]
-    return asked
+    return Ask(monkeypatch)
 
 
 def test_a_sure_answer_is_asked_nothing_more(ask) -> None:
@@ -223,3 +227,23 @@ def test_what_viewers_saw_gives_way_to_what_is_far_more_likely(ask, monkeypatch)
     assert ask.done == ["lay first", "lay seen"]
     assert best.placements == "first"
     assert best.chance == 0.3  # half of a view may be laid wrongly where its place is right
+
+
+def test_form_proves_more_on_a_large_area_than_on_a_small_one(monkeypatch) -> None:
+    """Half as much on four times the area proves as much."""
+    first = SimpleNamespace(
+        agreement=0.9, lack=0.05, worth=0.3, first_ratio=0.3, chance=(20.0, 20.0)
+    )
+    nothing: Any = (None, None)
+    asked = module._Asked(nothing, nothing, first, nothing, 0.3, 0)
+    monkeypatch.setattr(module._Asked, "forms", nothing)
+    monkeypatch.setattr(module, "likeness_of_both", lambda *_: Likeness(0.02, 0.8, 0.8))
+    monkeypatch.setattr(module, "most_open", lambda *_: 0.3)
+
+    def by_form(alike: float, area: float) -> float:
+        monkeypatch.setattr(module, "alike_in", lambda *_: alike)
+        monkeypatch.setattr(module, "shared_area", lambda *_: area)
+        return asked._judged(first, nothing).by_form
+
+    assert by_form(0.3, 0.4) == pytest.approx(by_form(0.6, 0.1))
+    assert by_form(0.6, 0.4) > by_form(0.6, 0.1) + 0.5

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from copy import copy
 from dataclasses import replace
 
 import numpy as np
@@ -42,16 +43,17 @@ def without_new_crossings(elasticity: Elasticity, found: Deformation, seen: Bool
     pushed out of it: see :func:`_let_go`. A step is kept only if it leaves fewer crossings and the
     area.
     """
-    before = intersecting_faces(elasticity.rest, elasticity.mesh.faces)
-    pushed = _Fewest(elasticity, found, before)
+    crossed = _Fewest(elasticity, found)
+    pushed = copy(crossed)
     _push_around(elasticity, pushed)
     if pushed.count <= MOST_CROSSINGS * elasticity.mesh.face_count:
         return pushed.best
-    return _let_go(elasticity, found, seen, before)
+    _let_go(elasticity, crossed, seen)
+    return crossed.best
 
 
-def _let_go(elasticity: Elasticity, found: Deformation, seen: Bools, before: Bools) -> Deformation:
-    """The same with fewer crossings: data let go and hidden regions turn back, then all is pushed.
+def _let_go(elasticity: Elasticity, fewest: _Fewest, seen: Bools) -> None:
+    """Let data go and turn hidden regions back, then push what still crosses.
 
     First, where what was seen crosses something, as fingers do that the map mixes up, the data let
     go in wider and wider surroundings, and rotations and places continue from around. Then, hidden
@@ -60,35 +62,34 @@ def _let_go(elasticity: Elasticity, found: Deformation, seen: Bools, before: Boo
     vertices of each that lie behind the other are pushed before it, and what is around follows;
     what was seen stays.
     """
-    fewest = _Fewest(elasticity, found, before)
     for rings in RINGS:
         if not seen[elasticity.mesh.faces[np.unique(fewest.pairs)]].any():
             break
         fewest.show(_released(elasticity, fewest.best, fewest.pairs, seen, rings))
         if not fewest.count:
-            return fewest.best
+            return
     if not seen.all():
         turning = _turning_back(elasticity, fewest.best, fewest.pairs, seen)
         for share in SHARES:
             fewest.show(turning(share))
             if not fewest.count:
-                return fewest.best
-        for step in _pushes(elasticity, fewest.best, fewest.pairs, before, seen):
+                return
+        for step in _pushes(elasticity, fewest.best, fewest.pairs, fewest.before, seen):
             fewest.show(*step)
     _push_around(elasticity, fewest)
-    return fewest.best
 
 
 class _Fewest:
     """Of deformations that are shown, the one with the fewest crossings that keeps the area."""
 
-    def __init__(self, elasticity: Elasticity, found: Deformation, before: Bools) -> None:
-        self.mesh, self.before = elasticity.mesh, before
+    def __init__(self, elasticity: Elasticity, found: Deformation) -> None:
+        self.mesh = elasticity.mesh
+        self.before = intersecting_faces(elasticity.rest, self.mesh.faces)
         sizes = found.sizes[self.mesh.faces]
         self.area = float(self.mesh.face_areas @ (sizes**2).mean(axis=1))
         self.most_off = max(self._off(found), AREA_CHANGE)
         self.best = found
-        self.pairs = _new_pairs(found.positions, self.mesh.faces, before)
+        self.pairs = _new_pairs(found.positions, self.mesh.faces, self.before)
 
     @property
     def count(self) -> int:

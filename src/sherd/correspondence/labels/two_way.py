@@ -61,6 +61,7 @@ __all__ = [
     "grown_apart",
     "labeled_around",
     "led",
+    "only_placed",
     "two_way_labelings",
 ]
 
@@ -237,7 +238,7 @@ def _groups(problems: Both[Problem], alone: list[_Alone]) -> list[list[Labeling]
     """And of groups of nodes that agree with each other."""
     return [
         [
-            _only(each.whole, group)
+            only_placed(each.whole, group)
             for group in consistent_groups(problem, each.whole, each.chance)[:GROUPS]
         ]
         for problem, each in zip(problems, alone, strict=True)
@@ -358,7 +359,7 @@ def _agreed(
     worth = (WORTH_SHARE * chance[0], WORTH_SHARE * chance[1])
     agrees = consistent_nodes(problems, found, closing, worth)
     # the next round hears only of what can be true together
-    kept = (_only(found[0], agrees[0]), _only(found[1], agrees[1]))
+    kept = (only_placed(found[0], agrees[0]), only_placed(found[1], agrees[1]))
     gained = saved(problems, kept, chance)
     return Agreed(following(problems, kept), agrees, _agreement(found, agrees), gained)
 
@@ -377,7 +378,8 @@ def _agreement(found: Both[Labeling], agrees: Both[Bools]) -> float:
     return float(np.sqrt(shares[0] * shares[1]))
 
 
-def _only(labeling: Labeling, kept: Bools) -> Labeling:
+def only_placed(labeling: Labeling, kept: Bools) -> Labeling:
+    """The same, but only the nodes (k,) that are `kept` have a place."""
     cost = np.where(kept, labeling.local_cost, NOWHERE_COST)
     return replace(labeling, placed=kept, local_cost=cost)
 

@@ -9,10 +9,9 @@ whose form is most alike, not those that save most.
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import partial
 
-from sherd.arrays import Bools, Floats
+from sherd.arrays import Floats
 from sherd.correspondence.labels.labeling import LIMIT, Labeling, Problem
 from sherd.correspondence.labels.local_groups import local_groups
 from sherd.correspondence.labels.places import is_known
@@ -27,6 +26,7 @@ from sherd.correspondence.labels.two_way import (
     finished,
     labeled_around,
     led,
+    only_placed,
 )
 from sherd.correspondence.shared.relief import alike_at_labels
 
@@ -94,11 +94,7 @@ def labelings_by_form(
 def finished_place(problems: Both[Problem], begun: TwoLabelings) -> TwoLabelings:
     """Labelings of both directions as all rounds make them; the same ones if these save no more."""
     found, agrees = (begun.forward, begun.backward), (begun.forward_agrees, begun.backward_agrees)
-    kept = (_only(found[0], agrees[0]), _only(found[1], agrees[1]))
+    kept = (only_placed(found[0], agrees[0]), only_placed(found[1], agrees[1]))
     agreed = Agreed(found, agrees, begun.agreement, saved(problems, kept, begun.chance))
     last = finished(problems, begun.chance, agreed)
     return begun if last is agreed else described(problems, begun.chance, last, begun.first_ratio)
-
-
-def _only(labeling: Labeling, kept: Bools) -> Labeling:
-    return replace(labeling, placed=kept)
