@@ -12,6 +12,7 @@ from sherd.arrays import Bools, Floats, Ints
 from sherd.correspondence.elastic_kernel import closest_rotations
 from sherd.fitting.as_rigid_as_possible import Elasticity
 from sherd.fitting.deformation import Deformation, corners_of, with_rings, without_data
+from sherd.fitting.rest_crossing import rest_crossings, with_rest_crossings
 from sherd.fitting.self_intersection import intersecting_faces, intersecting_pairs
 from sherd.mesh.geometry import closest_rotation, face_areas, face_normals
 from sherd.mesh.topology import component_labels, renumbered
@@ -23,6 +24,9 @@ __all__ = ["MOST_CROSSINGS", "new_crossings", "without_new_crossings"]
 MOST_CROSSINGS = 0.001
 # Shares of their own turning that crossing regions are turned back by, the least first.
 SHARES = (0.25, 0.5, 0.75, 1.0)
+# What crossed before moves as one piece with so many rings of edges around it, a twentieth of
+# sqrt(area) at most: wider ones bend, and as rigid bodies would move what was seen.
+RIGID_RINGS = (1, 2, 4)
 # Around crossings of what was seen so many rings of edges are let go.
 RINGS = (1, 2, 4, 8)
 # Each round pushes by what is crossed, and a limb is thicker than what crosses first.
@@ -38,18 +42,38 @@ AREA_CHANGE = 0.02
 def without_new_crossings(elasticity: Elasticity, found: Deformation, seen: Bools) -> Deformation:
     """The same, or with fewer faces that pierce others and did not in the full shape.
 
-    First what crosses is pushed apart, and so little around it follows that all else stays. Where
-    that leaves too many, patches of the map lie on another limb, and would not be home if they were
-    pushed out of it: see :func:`_let_go`. A step is kept only if it leaves fewer crossings and the
-    area.
+    First what crosses where the full shape does is moved as one piece, see
+    :mod:`sherd.fitting.rest_crossing`. Then what crosses is pushed apart, and so little around it
+    follows that all else stays. Where that leaves too many, patches of the map lie on another limb,
+    and would not be home if they were pushed out of it: see :func:`_let_go`. Such a step is kept
+    only if it leaves fewer crossings and the area.
     """
-    crossed = _Fewest(elasticity, found)
+    crossed = _Fewest(elasticity, _moved_as_before(elasticity, found))
     pushed = copy(crossed)
     _push_around(elasticity, pushed)
     if pushed.count <= MOST_CROSSINGS * elasticity.mesh.face_count:
         return pushed.best
     _let_go(elasticity, crossed, seen)
     return crossed.best
+
+
+def _moved_as_before(elasticity: Elasticity, found: Deformation) -> Deformation:
+    """What crosses where the full shape does, moved as it lies there, with more and more around.
+
+    Bodies have the area that they should have, so nothing is asked about area.
+    """
+    faces = elasticity.mesh.faces
+    before = intersecting_faces(elasticity.rest, faces)
+    crossing = np.unique(_new_pairs(found.positions, faces, before))
+    places = rest_crossings(elasticity) if len(crossing) else []
+    for rings in RIGID_RINGS:
+        if not (places and len(crossing)):
+            break
+        step = with_rest_crossings(elasticity, found, places, crossing, rings)
+        left = np.unique(_new_pairs(step.positions, faces, before))
+        if len(left) < len(crossing):
+            found, crossing = step, left
+    return found
 
 
 def _let_go(elasticity: Elasticity, fewest: _Fewest, seen: Bools) -> None:
