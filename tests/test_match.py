@@ -255,7 +255,7 @@ def test_the_mirrored_twin_of_a_symmetric_animal_is_an_alternative(
 )
 def test_options_are_checked_when_made(settings: dict[str, object], message: str) -> None:
     with pytest.raises(OptionError, match=message):
-        MatchOptions(**settings)  # type: ignore[arg-type]
+        MatchOptions(**settings)
 
 
 def test_hints_that_do_not_exist_and_parts_that_do_not_fit(template: Template) -> None:

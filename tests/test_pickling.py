@@ -312,7 +312,7 @@ def test_public_objects_come_back_whole(name: str, way: Callable[[object], objec
     assert before.plain == after.plain
     for mapping in after.mappings:
         with pytest.raises(TypeError):
-            mapping["new"] = 1  # type: ignore[index]
+            mapping["new"] = 1
 
 
 @pytest.mark.parametrize("name", MAKERS)

@@ -20,7 +20,7 @@ def asked(full: DescribedSurface, labels: Ints) -> Question:
     pairs = np.ix_(labels, labels)
     nodes = Samples.of(dense.vertices[labels], dense.distances[labels], dense.directions[pairs])
     part = SimpleNamespace(mesh=full.mesh, sparse=nodes)
-    return Question(full, part, SAME_SCALE)  # type: ignore[arg-type]
+    return Question(full, part, SAME_SCALE)
 
 
 def labeling(labels: Ints) -> Labeling:
@@ -69,7 +69,7 @@ def test_a_component_without_a_reliable_node_asks_its_own(full) -> None:
     both = np.concatenate([labels, labels])
     cost = np.where(np.arange(len(both)) < len(labels), 0.0, 9.0)
     found = trilaterated_vertices(
-        Question(full, part, SAME_SCALE),  # type: ignore[arg-type]
+        Question(full, part, SAME_SCALE),
         Labeling(both, np.zeros(len(both)), cost, 0.0),
     )
     np.testing.assert_array_equal(found, np.tile(np.arange(count), 2))

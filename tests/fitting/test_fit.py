@@ -208,8 +208,8 @@ def test_what_cannot_be_fitted_is_refused(match) -> None:
     with pytest.raises(InfeasibleError, match=r"0 of its 642 vertices lie on matched"):
         fit(nobody)
     with pytest.raises(InputError, match="a str cannot be fitted to"):
-        fit("scan.ply")  # type: ignore[arg-type]
+        fit("scan.ply")
     with pytest.raises(OptionError, match="sizing is 'global'"):
-        fit(match, sizing="global")  # type: ignore[arg-type]
+        fit(match, sizing="global")
     with pytest.raises(OptionError, match="near is 0"):
         fit(match, near=0)

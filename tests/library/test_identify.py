@@ -136,7 +136,7 @@ def test_options_and_inputs_are_checked(part) -> None:
     with pytest.raises(InputError, match="no full shape"):
         identify([], part)
     with pytest.raises(OptionError, match="'landmarks' is no option"):
-        identify([], part, landmarks=((0, 0),))  # type: ignore[call-arg]
+        identify([], part, landmarks=((0, 0),))
 
 
 def test_the_folder_reads_as_that_of_a_match(found, tmp_path) -> None:

@@ -35,9 +35,9 @@ def test_keywords_make_the_same_options() -> None:
 def test_keywords_reach_the_question() -> None:
     """Each is refused by the options it belongs to, before any shape is looked at."""
     with pytest.raises(OptionError, match="scale"):
-        sherd.match("nowhere.ply", "nowhere.ply", scale="large")  # type: ignore[arg-type]
+        sherd.match("nowhere.ply", "nowhere.ply", scale="large")
     with pytest.raises(OptionError, match="method"):
-        sherd.locate("nowhere.ply", "nowhere.ply", method="guess")  # type: ignore[arg-type]
+        sherd.locate("nowhere.ply", "nowhere.ply", method="guess")
     with pytest.raises(InfeasibleError):
         sherd.match(SMALL, LARGE, seed=3)
     with pytest.raises(InfeasibleError):

@@ -18,7 +18,7 @@ REGION = {"mask": [True, False, False], "membership": [0.9, 0.2, 0.0], "score": 
 
 def placed(**changes: object) -> Placement:
     given = {"points": TWO, "matched": [True, False], "confidence": [0.9, 0.1]}
-    return Placement(**{**REGION, **given, **changes})  # type: ignore[arg-type]
+    return Placement(**{**REGION, **given, **changes})
 
 
 def test_arrays_are_kept_read_only() -> None:
