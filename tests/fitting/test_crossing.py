@@ -9,14 +9,14 @@ import pytest
 
 from sherd.correspondence.elastic_kernel import closest_rotations
 from sherd.fitting import fitted as fitted_module
-from sherd.fitting import turned_faces as turned_faces_module
 from sherd.fitting.as_rigid_as_possible import Elasticity
-from sherd.fitting.crossing import without_new_crossings
 from sherd.fitting.deformation import Deformation, with_rings
 from sherd.fitting.fitted import fitted_shape
-from sherd.fitting.self_intersection import intersecting_faces
+from sherd.fitting.mending import turned_faces as turned_faces_module
+from sherd.fitting.mending.crossing import without_new_crossings
+from sherd.fitting.mending.self_intersection import intersecting_faces
+from sherd.fitting.mending.turned_faces import still_turned, turned_faces, without_turned_faces
 from sherd.fitting.targets import Targets
-from sherd.fitting.turned_faces import still_turned, turned_faces, without_turned_faces
 from sherd.mesh.triangle_mesh import TriangleMesh
 
 

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from sherd.fitting.as_rigid_as_possible import Elasticity
-from sherd.fitting.crossing import new_crossings, without_new_crossings
 from sherd.fitting.deformation import Deformation, with_rings
-from sherd.fitting.rest_crossing import rest_crossings, with_rest_crossings
-from sherd.fitting.self_intersection import intersecting_faces
+from sherd.fitting.mending.crossing import new_crossings, without_new_crossings
+from sherd.fitting.mending.rest_crossing import rest_crossings, with_rest_crossings
+from sherd.fitting.mending.self_intersection import intersecting_faces
 from sherd.mesh.triangle_mesh import TriangleMesh
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from sherd.fitting.self_intersection import intersecting_faces, intersecting_pairs
+from sherd.fitting.mending.self_intersection import intersecting_faces, intersecting_pairs
 
 
 def edge_pierces(p, q, triangle) -> bool:

@@ -12,11 +12,11 @@ from sherd.fitting.as_rigid_as_possible import Elasticity
 from sherd.fitting.chance import chances, distances_beyond
 from sherd.fitting.completion import completed
 from sherd.fitting.deformation import Deformation, area_kept
+from sherd.fitting.mending.self_intersection import intersecting_faces
+from sherd.fitting.mending.turned_faces import turned_faces
 from sherd.fitting.scan_surface import REACH, ScanSurface
-from sherd.fitting.self_intersection import intersecting_faces
 from sherd.fitting.sizes import mean_growth
 from sherd.fitting.targets import Targets, matched_surface
-from sherd.fitting.turned_faces import turned_faces
 from sherd.mesh.surface_finder import SurfaceFinder
 from sherd.mesh.topology import component_labels
 from sherd.mesh.triangle_mesh import TriangleMesh

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from sherd.fitting.as_rigid_as_possible import Elasticity
-from sherd.fitting.crossing import MOST_CROSSINGS, new_crossings, without_new_crossings
 from sherd.fitting.deformation import (
     Deformation,
     carried_up,
@@ -13,9 +12,11 @@ from sherd.fitting.deformation import (
     continued_deformation,
     fine_deformation,
 )
+from sherd.fitting.drift import without_drift
+from sherd.fitting.mending.crossing import MOST_CROSSINGS, new_crossings, without_new_crossings
+from sherd.fitting.mending.turned_faces import still_turned, without_turned_faces
 from sherd.fitting.scan_surface import ScanSurface
 from sherd.fitting.targets import Targets
-from sherd.fitting.turned_faces import still_turned, without_turned_faces
 from sherd.mesh.surface_points import closest_points
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.results.fitted.fit_options import Sizing
@@ -47,6 +48,7 @@ def fitted_shape(
     """
     scan = ScanSurface(surface)
     with one_blas_thread():
+        targets = without_drift(shape, targets, surface)
         own = Elasticity(shape)
         tried: list[tuple[int, int, Deformation]] = []
         for start in _starts(own, targets, scan, sizing=sizing):
@@ -72,11 +74,7 @@ def _starts(
         yield smooth
         return
     small, points = decimate(shape, max(COARSE, len(shape.boundary_vertices) + 1))
-    corners = targets.seen[shape.faces[points.faces]] | (points.barycentric == 0)
-    thinned = Targets(
-        points.interpolate(shape, targets.positions),
-        points.interpolate(shape, targets.confidence) * corners.all(axis=1),
-    )
+    thinned = targets.between(shape, points)
     elasticity, places = Elasticity(small), closest_points(small, shape.vertices)
     smooth = coarse_deformation(elasticity, thinned, scan, sizing=sizing)
     continued = continued_deformation(elasticity, smooth, thinned, scan)

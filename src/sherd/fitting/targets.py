@@ -9,6 +9,7 @@ import numpy as np
 
 from sherd.arrays import Bools, Floats, Ints
 from sherd.errors import InfeasibleError
+from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.topology import renumbered
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.results.match_result import MatchResult
@@ -46,6 +47,14 @@ class Targets:
     def at(self, vertices: Ints) -> Targets:
         """Those of the given vertices (p,), in this order."""
         return Targets(self.positions[vertices], self.confidence[vertices])
+
+    def between(self, shape: TriangleMesh, points: SurfacePoints) -> Targets:
+        """Those of points of the shape; a point is seen if all corners around it are."""
+        corners = self.seen[shape.faces[points.faces]] | (points.barycentric == 0)
+        return Targets(
+            points.interpolate(shape, self.positions),
+            points.interpolate(shape, self.confidence) * corners.all(axis=1),
+        )
 
 
 def targets_of(matches: Sequence[MatchResult]) -> Targets:

@@ -16,9 +16,9 @@ from sherd.benchmark.fit.sources import FitPair, FitSource
 from sherd.errors import InfeasibleError
 from sherd.fitting.as_rigid_as_possible import Elasticity
 from sherd.fitting.fit import fit
-from sherd.fitting.self_intersection import intersecting_faces
+from sherd.fitting.mending.self_intersection import intersecting_faces
+from sherd.fitting.mending.turned_faces import turned_faces
 from sherd.fitting.targets import Targets, targets_of
-from sherd.fitting.turned_faces import turned_faces
 from sherd.library.fitted_scale import match_with_fitted_scale, sizing_after
 from sherd.mesh.geometry import face_areas
 from sherd.mesh.triangle_mesh import TriangleMesh

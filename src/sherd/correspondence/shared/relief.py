@@ -29,7 +29,15 @@ from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.spectral.diffusion import diffused
 from sherd.spectral.operators import stiffness
 
-__all__ = ["alike_at_labels", "alike_in", "alike_in_relief", "form", "relief", "seen_area"]
+__all__ = [
+    "alike_at_labels",
+    "alike_in",
+    "alike_in_relief",
+    "bulge",
+    "form",
+    "relief",
+    "seen_area",
+]
 
 # In sqrt(area) of the larger piece. As fine as a right map is exact (0.01 to 0.02), and against
 # what is around, so many times as far, which is as a limb is wide: that a limb is round is true of
@@ -64,10 +72,24 @@ def form(mesh: TriangleMesh) -> Floats:
     Mean curvature averaged over `FORM_FINE`, less the same over `FORM_COARSE`: half of the
     Laplacian of positions along the normal.
     """
-    pull = stiffness(mesh.vertices, mesh.faces) @ mesh.vertices
-    bulge = 0.5 * np.einsum("ij,ij->i", pull, mesh.vertex_normals)
-    fine, coarse = _averaged(mesh, bulge, (FORM_FINE, FORM_COARSE))
+    fine, coarse = _averaged(mesh, _mean_curvature(mesh), (FORM_FINE, FORM_COARSE))
     return fine - coarse
+
+
+def bulge(mesh: TriangleMesh, width: float) -> Floats:
+    """How a mesh bulges (n,) in units of sqrt(area), 1 / length; negative in a hollow.
+
+    Mean curvature averaged over `width`, less the same over `AROUND` times that.
+    """
+    fine, coarse = _averaged(mesh, _mean_curvature(mesh), (width, AROUND * width))
+    return fine - coarse
+
+
+def _mean_curvature(mesh: TriangleMesh) -> Floats:
+    """Integral (n,) of mean curvature around each vertex."""
+    pull = stiffness(mesh.vertices, mesh.faces) @ mesh.vertices
+    bent: Floats = 0.5 * np.einsum("ij,ij->i", pull, mesh.vertex_normals)
+    return bent
 
 
 def _averaged(mesh: TriangleMesh, curvature: Floats, widths: tuple[float, float]) -> list[Floats]:

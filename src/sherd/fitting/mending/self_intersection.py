@@ -34,7 +34,7 @@ def intersecting_pairs(vertices: Floats, faces: Ints) -> Ints:
     Boxes are swept along the longest axis in strips of another one: near linear for even meshes,
     5 ms for 20,000 faces.
     """
-    from sherd.fitting.self_intersection_kernel import (  # noqa: PLC0415 - numba
+    from sherd.fitting.mending.self_intersection_kernel import (  # noqa: PLC0415 - numba
         count_pierced,
         write_pierced,
     )

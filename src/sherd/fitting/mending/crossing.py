@@ -12,8 +12,8 @@ from sherd.arrays import Bools, Floats, Ints
 from sherd.correspondence.elastic_kernel import closest_rotations
 from sherd.fitting.as_rigid_as_possible import Elasticity
 from sherd.fitting.deformation import Deformation, corners_of, with_rings, without_data
-from sherd.fitting.rest_crossing import rest_crossings, with_rest_crossings
-from sherd.fitting.self_intersection import intersecting_faces, intersecting_pairs
+from sherd.fitting.mending.rest_crossing import rest_crossings, with_rest_crossings
+from sherd.fitting.mending.self_intersection import intersecting_faces, intersecting_pairs
 from sherd.mesh.geometry import closest_rotation, face_areas, face_normals
 from sherd.mesh.topology import component_labels, renumbered
 from sherd.mesh.triangle_mesh import TriangleMesh
@@ -43,10 +43,10 @@ def without_new_crossings(elasticity: Elasticity, found: Deformation, seen: Bool
     """The same, or with fewer faces that pierce others and did not in the full shape.
 
     First what crosses where the full shape does is moved as one piece, see
-    :mod:`sherd.fitting.rest_crossing`. Then what crosses is pushed apart, and so little around it
-    follows that all else stays. Where that leaves too many, patches of the map lie on another limb,
-    and would not be home if they were pushed out of it: see :func:`_let_go`. Such a step is kept
-    only if it leaves fewer crossings and the area.
+    :mod:`sherd.fitting.mending.rest_crossing`. Then what crosses is pushed apart, and so little
+    around it follows that all else stays. Where that leaves too many, patches of the map lie on
+    another limb, and would not be home if they were pushed out of it: see :func:`_let_go`. Such a
+    step is kept only if it leaves fewer crossings and the area.
     """
     crossed = _Fewest(elasticity, _moved_as_before(elasticity, found))
     pushed = copy(crossed)

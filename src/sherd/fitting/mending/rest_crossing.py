@@ -14,7 +14,7 @@ import numpy as np
 from sherd.arrays import Bools, Ints
 from sherd.fitting.as_rigid_as_possible import Elasticity
 from sherd.fitting.deformation import Deformation, corners_of, with_rings
-from sherd.fitting.self_intersection import intersecting_pairs
+from sherd.fitting.mending.self_intersection import intersecting_pairs
 from sherd.mesh.geometry import closest_rotation
 from sherd.mesh.topology import component_labels, renumbered
 from sherd.mesh.triangle_mesh import TriangleMesh

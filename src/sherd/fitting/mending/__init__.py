@@ -1,0 +1,1 @@
+"""A fit mended: faces that turned over, surfaces that went through each other."""
