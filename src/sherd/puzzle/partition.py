@@ -23,6 +23,7 @@ from collections.abc import Sequence
 import numpy as np
 from scipy import sparse
 from scipy.sparse import csgraph
+from scipy.spatial import cKDTree
 
 from sherd.arrays import Bools, Floats, Ints
 from sherd.correspondence.shared.region_cut import seam_lengths
@@ -41,6 +42,10 @@ GAP = -1
 DELTA = 0.02
 # Price of border length: a crack narrower than 2 sqrt(delta omega), 0.02, is closed.
 OMEGA = 0.005
+# Share of the rim of a gap that has borders of pieces within DELTA, below which it is a lapse. Of
+# 36 puzzles of animated animals the twelve gaps where a piece is missing or was refused have 0.79
+# and more; of 61 others that one piece surrounds 54 have none, and none of the rest below 0.36.
+LEAST_END = 0.25
 # All labels are expanded so often; later sweeps hardly change a vertex.
 SWEEPS = 2
 
@@ -117,6 +122,36 @@ class Partition:
         crack = gap & ~wide & (across <= width)
         return np.where(crack, pieces[away.argmin(axis=0)], labels)
 
+    def without_lapses(self, labels: Ints, ends: Floats) -> Ints:
+        """The labels (n,) with those gaps given to the pieces at them where no piece ends.
+
+        A piece ends at its border only. Where the gap begins and no border is near, the image of a
+        piece does not reach what belongs to it: the tip of a toe.
+
+        Parameters
+        ----------
+        labels
+            As :meth:`labels` gives them.
+        ends
+            (p, 3) points on the borders of all pieces.
+        """
+        if not len(ends) or not (labels == GAP).any():
+            return labels
+        first, second = self._mesh.edges.T
+        middle = self._mesh.vertices[self._mesh.edges].mean(axis=1)
+        nearest = self._nearest_pieces(labels)
+        filled = labels.copy()
+        tree = cKDTree(ends)
+        for gap in self.gaps(labels):
+            inside = np.zeros(len(labels), dtype=bool)
+            inside[gap] = True
+            rim = np.flatnonzero(inside[first] != inside[second])
+            away, _ = tree.query(middle[rim], distance_upper_bound=DELTA)
+            length = self._seams[rim]
+            if len(rim) and float(length @ np.isfinite(away)) < LEAST_END * float(length.sum()):
+                filled[gap] = nearest[gap]
+        return filled
+
     def core(self, region: Bools, margin: float) -> Bools:
         """The vertices (n,) of a region that lie deeper inside than a margin."""
         inside: Bools = region & (border_depth(self._paths, region, 2 * margin) > margin)
@@ -150,6 +185,20 @@ class Partition:
         mask[vertices] = True
         depth = border_depth(self._paths, mask, np.inf)
         return int(vertices[depth[vertices].argmax()])
+
+    def _nearest_pieces(self, labels: Ints) -> Ints:
+        """The label (n,) of the vertex nearest to each that is in no gap."""
+        placed = np.flatnonzero(labels != GAP)
+        if not len(placed):
+            return labels
+        _, _, sources = csgraph.dijkstra(
+            self._paths,
+            directed=False,
+            indices=placed,
+            min_only=True,
+            return_predecessors=True,
+        )
+        return np.where(sources >= 0, labels[sources], GAP)
 
     def _expanded(self, labels: Ints, label: int, misfit: Floats) -> Ints:
         """The labels (n,) of least energy where each vertex keeps its own or takes `label`."""
