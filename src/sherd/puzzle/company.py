@@ -60,7 +60,7 @@ GIVEN = (4.7, 0.0)
 BY_CHANCE = 0.5
 # New neighbors change what is met; mostly the second choice is the last.
 ROUNDS = 3
-# What improves the choice is searched again from the better one; one of 36 puzzles needs a second.
+# From a better choice others are tried again, mostly to no avail; this bounds the time.
 SWEEPS = 4
 
 
