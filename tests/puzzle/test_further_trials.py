@@ -210,6 +210,29 @@ def test_what_has_no_place_is_asked_again_in_the_gap_that_is_left(full, monkeypa
     assert [piece for piece, _ in asked] == [1, 2, 0, 1, 2]
 
 
+def test_what_has_no_place_is_asked_in_each_gap_of_its_size_alone(full, asked) -> None:
+    """Two gaps: in both at once it was torn between them."""
+    left, middle, right = within(full, 0, 0.15), within(full, 0.3, 0.55), within(full, 0.8, 1)
+    gaps = within(full, 0.15, 0.3), within(full, 0.55, 0.8)
+    areas = full.placed.vertex_areas
+
+    def alone(size: float) -> list[bool]:
+        """Whether it was asked in each gap, and hardly elsewhere."""
+        asked.clear()
+        lost = trial(full, 3, within(full, 0.0, 0.12), 0.1, area=size)
+        placed = [trial(full, k, each, 0.9) for k, each in enumerate((left, middle, right))]
+        trials_again(full, [*placed, lost], 4, Stages(visible=False))
+        free = [~taken for piece, taken in asked if piece == 3]
+        return [
+            any(float(areas @ (each ^ gap)) < 0.5 * float(areas @ gap) for each in free)
+            for gap in gaps
+        ]
+
+    assert alone(0.2) == [True, True]
+    assert alone(0.4) == [False, True]
+    assert alone(0.1) == [True, False]
+
+
 def test_parts_of_a_mask_come_largest_first_and_without_noise(full) -> None:
     front, rear = balls(full, 1, -1)
     areas = full.placed.vertex_areas

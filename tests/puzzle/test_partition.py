@@ -109,3 +109,42 @@ def test_seams_around_a_vertex_are_the_border_of_its_cell(square) -> None:
     assert np.abs(seams[diagonal]).max() < 1e-12
     inside = ~diagonal & ((square.vertices[square.edges] % 1.0) > 0)[:, :, :2].all(axis=(1, 2))
     assert np.abs(seams[inside] - lengths[inside]).max() < 1e-12
+
+
+def test_what_is_left_where_cracks_meet_is_closed_and_a_missing_piece_stays(square) -> None:
+    x, y = square.vertices[:, :2].T
+    partition = Partition(square)
+    # three cracks that would be closed each by itself leave room for a wider disk where they meet
+    cracks = (np.abs(x - 0.5) < 0.026) & (y > 0.5) | (np.abs(y - 0.5) < 0.026)
+    junction = cracks | (np.hypot(x - 0.5, y - 0.5) < 0.045)
+    pieces = np.where(y < 0.5, 0, np.where(x < 0.5, 1, 2))
+    closed = partition.without_cracks(np.where(junction, GAP, pieces), 0.06)
+    assert (closed != GAP).all()
+    # a fiftieth of the area
+    missing = np.hypot(x - 0.5, y - 0.5) < 0.08
+    kept = partition.without_cracks(np.where(missing, GAP, pieces), 0.06)
+    assert float(square.vertex_areas @ (missing & (kept == GAP))) > 0.015
+
+
+def test_a_gap_where_no_piece_ends_is_none(square) -> None:
+    """The tip of a toe that the image of a piece does not reach, beside a place that is missing."""
+    x, y = square.vertices[:, :2].T
+    partition = Partition(square)
+    missing = x > 0.8
+    lapse = np.hypot(x - 0.2, y - 0.2) < 0.1
+    labels = np.where(missing | lapse, GAP, np.where(x < 0.5, 0, 1))
+    along = np.linspace(0, 1, 300)
+    ends = np.concatenate(
+        [np.stack([np.full(300, at), along, np.zeros(300)], axis=1) for at in (0.5, 0.8)]
+    )
+    filled = partition.without_lapses(labels, ends)
+    assert np.array_equal(filled, np.where(missing, GAP, np.where(x < 0.5, 0, 1)))
+    # the same hole is one if the piece has it
+    around = np.linspace(0, 2 * np.pi, 300)
+    rim = np.stack([0.2 + 0.1 * np.cos(around), 0.2 + 0.1 * np.sin(around), 0 * around], axis=1)
+    assert np.array_equal(partition.without_lapses(labels, np.concatenate([ends, rim])), labels)
+    # nothing says where pieces end, or nothing is missing
+    none = np.empty((0, 3))
+    assert np.array_equal(partition.without_lapses(labels, none), labels)
+    whole = np.zeros(len(x), dtype=np.int64)
+    assert np.array_equal(partition.without_lapses(whole, ends), whole)

@@ -30,8 +30,8 @@ def test_a_piece_that_could_lie_in_another_place_as_well_is_in_doubt() -> None:
 
 
 def test_a_place_that_another_piece_has_and_the_same_place_again_raise_no_doubt() -> None:
-    left, right = candidate(0.0, 0.4, 0.7), candidate(0.6, 1.0, 0.5)
-    sure = candidate(0.6, 1.0, 0.95)
+    left, right = candidate(0.0, 0.25, 0.7), candidate(0.75, 1.0, 0.5)
+    sure = candidate(0.75, 1.0, 0.95)
     assert chances(trial(0, left), trial(0, right), trial(1, sure))[0] == pytest.approx(0.7)
-    again = candidate(0.0, 0.42, 0.6)
+    again = candidate(0.0, 0.26, 0.6)
     assert chances(trial(0, left), trial(0, again))[0] == pytest.approx(0.7)

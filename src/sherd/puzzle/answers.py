@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 
@@ -12,7 +12,7 @@ from sherd.arrays import Floats, Ints
 from sherd.match import match_result
 from sherd.output import Stages
 from sherd.place import PlacedPart
-from sherd.puzzle.border import REACH
+from sherd.puzzle.border import REACH, border_of
 from sherd.puzzle.borders import fits_of
 from sherd.puzzle.joint_choice import shared_areas
 from sherd.puzzle.partition import GAP, Partition
@@ -90,6 +90,7 @@ def assembly_of(question: AssemblyQuestion, decision: Decision, stages: Stages) 
         rows = question.partition.labels([part.best.mask for part in placed.values()])
         if decision.cut_apart:
             rows = question.partition.without_cracks(rows, REACH)
+        rows = question.partition.without_lapses(rows, _ends(placed.values()))
         labels = numbers[rows]
         lift = template.intake.report.to_original
         return Assembly(
@@ -187,6 +188,15 @@ def _gaps(question: AssemblyQuestion, labels: Ints) -> tuple[Gap, ...]:
         )
         for some in partition.gaps(labels)
     )
+
+
+def _ends(placed: Iterable[PlacedPart]) -> Floats:
+    """(p, 3) points on the borders of all placed pieces."""
+    borders = [
+        border_of(part.question.part.mesh, part.best.deformation.positions).positions
+        for part in placed
+    ]
+    return np.concatenate(borders) if borders else np.empty((0, 3))
 
 
 def _contacts(

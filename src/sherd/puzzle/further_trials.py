@@ -9,11 +9,13 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse import csgraph
 
-from sherd.arrays import Bools, Floats
+from sherd.arrays import Bools, Floats, Ints
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.output import Stages
 from sherd.place import placed_part
+from sherd.puzzle.border import REACH
 from sherd.puzzle.joint_choice import LEAST_CHANCE
+from sherd.puzzle.partition import Partition
 from sherd.puzzle.trials import (
     CLASH,
     MARGIN,
@@ -59,8 +61,9 @@ def trials_again(
     those in doubt that reach into it. At last what is in doubt or has no place is tried where
     nothing lies by then, what has one that leaves another a chance to be taken is tried in the
     gaps: a left leg on the right one's place, which is missing; and two in doubt that could change
-    places, as front legs on hind legs, are tried so. Nothing is asked twice, nor where there is no
-    room for it.
+    places, as front legs on hind legs, are tried so. What has no place even then is tried in each
+    gap of about its size, and nowhere else: what looks like other places, or like cracks between
+    others, tears it no more. Nothing is asked twice, nor where there is no room for it.
 
     Parameters
     ----------
@@ -93,6 +96,8 @@ def trials_again(
     for one, other in _exchangeable(so_far.chosen(), areas):
         _in_its_place(so_far, alone[one], other)
         _in_its_place(so_far, alone[other], one)
+    for first in by_size:
+        so_far.ask_in_gaps(first)
     return so_far.known[len(trials) :]
 
 
@@ -139,16 +144,30 @@ class _SoFar:
         full = np.logical_or.reduce([taken, *(each.candidate.region for each in others)])
         if place is not None:
             taken, full = taken | place, full | place
-        asked = self._asked.setdefault(first.piece, [])
-        if (
-            not (taken & first.candidate.core).any()
-            or float(self._areas @ first.partition.core(~full, MARGIN)) < ROOM * size
-            or any(float(self._areas @ (taken ^ each)) < SAME * size for each in asked)
-        ):
+        room = float(self._areas @ first.partition.core(~full, MARGIN))
+        if (taken & first.candidate.core).any() and room >= ROOM * size:
+            self._ask(first, taken)
+
+    def ask_in_gaps(self, first: Trial) -> None:
+        """Place a piece that has no place in each of the gaps that are as large as it is."""
+        own, others = self.without(first.piece)
+        if own is not None or not others:
             return
-        asked.append(taken)
-        self.known += _elsewhere(self._template, first, taken, self._stages)
-        self._chosen = None
+        size = first.placed.question.part.mesh.area
+        for gap in _gaps(others, first.partition):
+            if ROOM * size <= float(self._areas[gap].sum()) <= size / ROOM:
+                free = np.zeros(len(self._areas), dtype=bool)
+                free[gap] = True
+                self._ask(first, ~first.partition.grown(free, MARGIN))
+
+    def _ask(self, first: Trial, taken: Bools) -> None:
+        """Place a piece once more where nothing is taken (n,), unless much the same was asked."""
+        size = first.placed.question.part.mesh.area
+        asked = self._asked.setdefault(first.piece, [])
+        if all(float(self._areas @ (taken ^ each)) >= SAME * size for each in asked):
+            asked.append(taken)
+            self.known += _elsewhere(self._template, first, taken, self._stages)
+            self._chosen = None
 
 
 def _where_nothing_lies(so_far: _SoFar, first: Trial, full: TriangleMesh) -> None:
@@ -184,6 +203,13 @@ def _taken(chosen: Iterable[Trial], count: int) -> Bools:
     for trial in chosen:
         taken |= trial.candidate.core
     return taken
+
+
+def _gaps(chosen: Sequence[Trial], partition: Partition) -> list[Ints]:
+    """The vertices of each gap that these leave, without cracks between them."""
+    labels = partition.labels([trial.candidate.region for trial in chosen])
+    ends = np.concatenate([trial.candidate.border.positions for trial in chosen])
+    return partition.gaps(partition.without_lapses(partition.without_cracks(labels, REACH), ends))
 
 
 def _elsewhere(template: Template, first: Trial, taken: Bools, stages: Stages) -> list[Trial]:

@@ -36,6 +36,7 @@ __all__ = [
     "Choice",
     "Ties",
     "choice_among",
+    "energy_of",
     "joint_choice",
     "shared_areas",
     "ties_of",
@@ -183,13 +184,7 @@ def choice_among(ties: Ties, chances: Floats, *, may_overlap: bool = False) -> C
     -----
     Branch and bound, piece after piece by descending gain, in groups that share places: exact.
     """
-    sure = (chances - LEAST_CHANCE) / (1 - LEAST_CHANCE)
-    gain = ties.regions * sure - OMEGA * ties.lengths
-    cost = -OMEGA * ties.facing
-    if not may_overlap:
-        surest = np.maximum(np.maximum.outer(sure, sure), 0.0)
-        cost = cost + KAPPA * surest * ties.claimed_twice
-    cost[ties.owner[:, None] == ties.owner[None, :]] = 0.0
+    gain, cost = _gain_and_cost(ties, chances, may_overlap=may_overlap)
     chosen = np.full(ties.count, -1, dtype=np.int64)
     energy, proven = 0.0, True
     for group in _groups(ties.owner, cost, ties.count):
@@ -199,6 +194,25 @@ def choice_among(ties: Ties, chances: Floats, *, may_overlap: bool = False) -> C
         for row in search.best:
             chosen[ties.owner[row]] = ties.number[row]
     return Choice(chosen, energy, proven)
+
+
+def energy_of(ties: Ties, chances: Floats, candidates: Ints, *, may_overlap: bool = False) -> float:
+    """The energy of a choice (k,) by these chances (c,) of all candidates."""
+    gain, cost = _gain_and_cost(ties, chances, may_overlap=may_overlap)
+    taken = np.flatnonzero(ties.number == candidates[ties.owner])
+    return float(0.5 * cost[np.ix_(taken, taken)].sum() - gain[taken].sum())
+
+
+def _gain_and_cost(ties: Ties, chances: Floats, *, may_overlap: bool) -> tuple[Floats, Floats]:
+    """What each candidate (c,) gains by itself, and what each two of them (c, c) cost together."""
+    sure = (chances - LEAST_CHANCE) / (1 - LEAST_CHANCE)
+    gain = ties.regions * sure - OMEGA * ties.lengths
+    cost = -OMEGA * ties.facing
+    if not may_overlap:
+        surest = np.maximum(np.maximum.outer(sure, sure), 0.0)
+        cost = cost + KAPPA * surest * ties.claimed_twice
+    cost[ties.owner[:, None] == ties.owner[None, :]] = 0.0
+    return gain, cost
 
 
 def shared_areas(masks: Sequence[Bools], areas: Floats) -> Floats:

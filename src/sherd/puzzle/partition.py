@@ -18,11 +18,12 @@ framework*, 2002; that one phase is the gap follows Litany, Rodola, Bronstein, B
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from scipy import sparse
 from scipy.sparse import csgraph
+from scipy.spatial import cKDTree
 
 from sherd.arrays import Bools, Floats, Ints
 from sherd.correspondence.shared.region_cut import seam_lengths
@@ -41,6 +42,10 @@ GAP = -1
 DELTA = 0.02
 # Price of border length: a crack narrower than 2 sqrt(delta omega), 0.02, is closed.
 OMEGA = 0.005
+# Share of the rim of a gap that has borders of pieces within DELTA, below which it is a lapse. Of
+# 36 puzzles of animated animals the twelve gaps where a piece is missing or was refused have 0.79
+# and more; of 61 others that one piece surrounds 54 have none, and none of the rest below 0.36.
+LEAST_END = 0.25
 # All labels are expanded so often; later sweeps hardly change a vertex.
 SWEEPS = 2
 
@@ -83,7 +88,9 @@ class Partition:
 
         A crack is where the gap has no room for a disk as wide as `width`, and two pieces are so
         near that a path between them is no longer than that. The slit in a single piece stays, and
-        so does the border of a gap that is wide, where two pieces meet at it.
+        so does the border of a gap that is wide, where two pieces meet at it. What is left where
+        three cracks meet goes too: a gap between pieces that is no wider on average, which is its
+        area over half the length of its rim.
 
         Parameters
         ----------
@@ -115,12 +122,44 @@ class Partition:
         # borders run half way between vertices
         across = np.partition(away, 1, axis=0)[:2].sum(axis=0) - 2 * half
         crack = gap & ~wide & (across <= width)
-        return np.where(crack, pieces[away.argmin(axis=0)], labels)
+        return self._without_narrow_gaps(
+            np.where(crack, pieces[away.argmin(axis=0)], labels), width
+        )
+
+    def without_lapses(self, labels: Ints, ends: Floats) -> Ints:
+        """The labels (n,) with those gaps given to the pieces at them where no piece ends.
+
+        A piece ends at its border only. Where the gap begins and no border is near, the image of a
+        piece does not reach what belongs to it: the tip of a toe.
+
+        Parameters
+        ----------
+        labels
+            As :meth:`labels` gives them.
+        ends
+            (p, 3) points on the borders of all pieces.
+        """
+        if not len(ends):
+            return labels
+        middle = self._mesh.vertices[self._mesh.edges].mean(axis=1)
+        tree = cKDTree(ends)
+
+        def is_lapse(rim: Ints) -> bool:
+            away, _ = tree.query(middle[rim], distance_upper_bound=DELTA)
+            length = self._seams[rim]
+            return float(length @ np.isfinite(away)) < LEAST_END * float(length.sum())
+
+        return self._without_gaps(labels, lambda _, rim: is_lapse(rim))
 
     def core(self, region: Bools, margin: float) -> Bools:
         """The vertices (n,) of a region that lie deeper inside than a margin."""
         inside: Bools = region & (border_depth(self._paths, region, 2 * margin) > margin)
         return inside
+
+    def grown(self, region: Bools, margin: float) -> Bools:
+        """A region (n,) and the vertices that are no farther from it than a margin."""
+        reached: Bools = region | (border_depth(self._paths, region, 2 * margin) > -margin)
+        return reached
 
     def touching(self, labels: Ints) -> dict[tuple[int, int], float]:
         """Length of the border between each two pieces that have one, at unit scale."""
@@ -150,6 +189,47 @@ class Partition:
         mask[vertices] = True
         depth = border_depth(self._paths, mask, np.inf)
         return int(vertices[depth[vertices].argmax()])
+
+    def _without_narrow_gaps(self, labels: Ints, width: float) -> Ints:
+        """The labels (n,) with gaps between pieces given to them that are narrower on average."""
+        areas = self._mesh.vertex_areas
+
+        def is_narrow(gap: Ints, rim: Ints) -> bool:
+            beside = np.unique(labels[self._mesh.edges[rim]])
+            wide = 2 * float(areas[gap].sum()) > width * float(self._seams[rim].sum())
+            return not wide and len(beside[beside != GAP]) > 1
+
+        return self._without_gaps(labels, is_narrow)
+
+    def _without_gaps(self, labels: Ints, is_none: Callable[[Ints, Ints], bool]) -> Ints:
+        """The labels (n,) with some gaps given to the nearest pieces.
+
+        Whether a gap is none is asked of its vertices and the rows of edges along its rim.
+        """
+        first, second = self._mesh.edges.T
+        nearest = self._nearest_pieces(labels)
+        filled = labels.copy()
+        for gap in self.gaps(labels):
+            inside = np.zeros(len(labels), dtype=bool)
+            inside[gap] = True
+            rim = np.flatnonzero(inside[first] != inside[second])
+            if len(rim) and is_none(gap, rim):
+                filled[gap] = nearest[gap]
+        return filled
+
+    def _nearest_pieces(self, labels: Ints) -> Ints:
+        """The label (n,) of the vertex nearest to each that is in no gap."""
+        placed = np.flatnonzero(labels != GAP)
+        if not len(placed):
+            return labels
+        _, _, sources = csgraph.dijkstra(
+            self._paths,
+            directed=False,
+            indices=placed,
+            min_only=True,
+            return_predecessors=True,
+        )
+        return np.where(sources >= 0, labels[sources], GAP)
 
     def _expanded(self, labels: Ints, label: int, misfit: Floats) -> Ints:
         """The labels (n,) of least energy where each vertex keeps its own or takes `label`."""
