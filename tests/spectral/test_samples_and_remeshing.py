@@ -1,6 +1,10 @@
 """Samples spread evenly, and coarser meshes lie on the surface where they say."""
 
+import time
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
+import pyfqmr
 import pytest
 from scipy.sparse import csgraph
 
@@ -8,6 +12,7 @@ from sherd.errors import OptionError
 from sherd.mesh import topology
 from sherd.mesh.geometry import edge_lengths
 from sherd.mesh.triangle_mesh import TriangleMesh
+from sherd.spectral import sampling
 from sherd.spectral.evening import flipped_to_delaunay
 from sherd.spectral.geodesics import Geodesics
 from sherd.spectral.operators import corner_cotangents
@@ -183,3 +188,20 @@ def test_a_dense_border_can_be_thinned_with_the_rest() -> None:
     assert even.vertex_count == pytest.approx(800, rel=0.03)
     assert even.area == pytest.approx(square.area, rel=0.02)
     np.testing.assert_array_equal(points.positions(square), even.vertices)
+
+
+def test_two_threads_that_decimate_at_once_get_their_own_mesh(sphere, monkeypatch) -> None:
+    """The library keeps one mesh for all; on a busy machine a match so lost its full shape."""
+
+    class Slow(pyfqmr.Simplify):
+        def setMesh(self, vertices, faces) -> None:  # noqa: N802 - the name of the library
+            super().setMesh(vertices, faces)
+            time.sleep(0.1)
+
+    meshes = [sphere(4), sphere(3)]
+    alone = [decimate(mesh, 100)[0] for mesh in meshes]
+    monkeypatch.setattr(sampling.pyfqmr, "Simplify", Slow)
+    with ThreadPoolExecutor(2) as both:
+        beside = list(both.map(lambda mesh: decimate(mesh, 100)[0], meshes))
+    for one, other in zip(alone, beside, strict=True):
+        assert (one.vertices == other.vertices).all()

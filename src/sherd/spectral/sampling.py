@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import threading
+
 import numpy as np
 import pyfqmr
 from numpy.typing import ArrayLike
@@ -36,6 +38,10 @@ SMOOTHING_STEPS = 3
 SMOOTHING_ROUNDS = 3
 # Vertices per area of equilateral triangles with unit edges.
 VERTICES_PER_AREA = 2 / np.sqrt(3)
+
+# pyfqmr keeps the mesh in global variables between its calls, whichever object they are made of:
+# of two threads that decimate at once one would get the mesh of the other.
+_pyfqmr = threading.Lock()
 
 
 def farthest_point_sample(geodesics: Geodesics, count: int, *, start: int) -> tuple[Ints, Floats]:
@@ -224,14 +230,15 @@ def _decimated(
         border = (uses == 1).sum() * (1.0 if keep_border else np.sqrt(vertex_count / before))
         target = 2 * (vertex_count - characteristic) - int(border)
         simplifier = pyfqmr.Simplify()
-        simplifier.setMesh(vertices, faces.astype(np.int32))
-        simplifier.simplify_mesh(
-            target_count=max(4, target),
-            aggressiveness=5,
-            preserve_border=keep_border,
-            verbose=False,
-        )
-        vertices, faces, _ = simplifier.getMesh()
+        with _pyfqmr:
+            simplifier.setMesh(vertices, faces.astype(np.int32))
+            simplifier.simplify_mesh(
+                target_count=max(4, target),
+                aggressiveness=5,
+                preserve_border=keep_border,
+                verbose=False,
+            )
+            vertices, faces, _ = simplifier.getMesh()
         vertices, faces = _compact(np.asarray(vertices, dtype=np.float64), faces.astype(np.int64))
         if len(vertices) == before:
             break
