@@ -29,7 +29,15 @@ from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.spectral.diffusion import diffused
 from sherd.spectral.operators import stiffness
 
-__all__ = ["alike_at_labels", "alike_in", "alike_in_relief", "form", "relief", "seen_area"]
+__all__ = [
+    "alike_at_labels",
+    "alike_in",
+    "alike_in_form",
+    "alike_in_relief",
+    "form",
+    "relief",
+    "seen_area",
+]
 
 # In sqrt(area) of the larger piece. As fine as a right map is exact (0.01 to 0.02), and against
 # what is around, so many times as far, which is as a limb is wide: that a limb is round is true of
@@ -86,6 +94,15 @@ def alike_in_relief(questions: Both[Question], placements: Both[SharedPlacement]
     """
     reliefs = (relief(questions[0].part.mesh), relief(questions[1].part.mesh))
     return alike_in(reliefs, questions, placements)
+
+
+def alike_in_form(questions: Both[Question], placements: Both[SharedPlacement]) -> float:
+    """How alike the forms of two pieces are where one lies on the other, in [-1, 1].
+
+    See :func:`alike_in`.
+    """
+    forms = (form(questions[0].part.mesh), form(questions[1].part.mesh))
+    return alike_in(forms, questions, placements)
 
 
 def alike_in(
