@@ -85,14 +85,14 @@ SPARED = 0.09
 # Of two thirds of three other people on a woman 0.67, 0.79 and 0.82 of the places lead; of right
 # answers that need this to be sure 0.87 and more.
 SLID_LED = 0.85
-# Of one, the share of places that are more alike than mirrored, the share that lead, strain, and how
-# alike forms are. A logistic regression over 114 answers to ten puzzles and to eight animals and
-# people that were asked for the limb they lack, which slid to where reliefs are nearly that alike,
-# wrong ones counting twice: of 87 right ones 11 are below 0.65, of 27 wrong or foreign ones one is
-# at 0.65. With each shape left out in turn 11, and three above, all three of which the conditions
-# below refuse. What an answer was worth before its slide adds nothing to these (a coefficient of
-# -0.1 of its log odds). Limbs of other people, strained by 0.05 on a limb of the same length, are
-# not in it: they have up to 0.8.
+# Of one, the share of places that are more alike than mirrored, the share that lead, strain, and
+# how alike forms are. A logistic regression over 114 answers to ten puzzles and to eight animals
+# and people that were asked for the limb they lack, which slid to where reliefs are nearly that
+# alike, wrong ones counting twice: of 87 right ones 11 are below 0.65, of 27 wrong or foreign ones
+# one is at 0.65. With each shape left out in turn 11, and three above, all of which the conditions
+# here refuse. What an answer was worth before its slide adds nothing to these (a coefficient of
+# -0.1 of its log odds). Limbs of other people, strained by 0.05 on a limb as long, are not in it:
+# they have up to 0.8.
 SLID_COEFFICIENTS = (-14.9, 12.8, 3.6, -6.0, 6.3)
 
 
