@@ -156,9 +156,10 @@ def test_what_was_likely_is_refused_where_it_slides_to_nothing_alike(questions) 
     assert chance_where_it_slid(0.6, questions, elsewhere) < 0.1
 
 
-def test_of_what_lies_wholly_within_the_other_the_chance_stands(questions) -> None:
+def test_of_what_lies_wholly_within_the_other_the_chance_only_falls(questions) -> None:
     home = laid(questions, (true_places(questions[0]), true_places(questions[1])))
     assert chance_where_it_slid(0.3, questions, home) == 0.3
+    assert chance_where_it_slid(0.9, questions, moved(questions, turned_over(questions))) < 0.5
 
 
 @pytest.mark.parametrize(

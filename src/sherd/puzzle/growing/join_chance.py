@@ -125,17 +125,19 @@ def chance_where_it_slid(
     bulges elsewhere. With alike reliefs that is enough to be sure, and without them nothing is:
     skin that slid to where it is most alike and is no more so than by accident is not the same
     skin. So what was likely before is no likelier than that. Of what lies wholly within the other
-    all places may lead, so the chance `before` stands.
+    all places may lead, so what is seen there makes nothing likelier.
     """
     both = tuple(zip(questions, placements, strict=True))
     likeness = likeness_of_both(questions, placements)
-    if likeness is None or max(_mean_share(*each) for each in both) > WITHIN:
+    if likeness is None:
         return before
     strain = float(np.mean([_mean_strain(*each) for each in both]))
     bulging = alike_in_form(questions, placements)
     features = np.array([1.0, likeness.handed, likeness.leading, strain, bulging])
     seen = float(1.0 / (1.0 + np.exp(-features @ np.array(SLID_COEFFICIENTS))))
-    before = min(before, seen)
+    before = max(min(before, seen), LEAST)
+    if max(_mean_share(*each) for each in both) > WITHIN:
+        return before
     root = float(np.sqrt(shared_area(questions, placements)))
     unlike = float(np.clip(SLID_UNLIKE / max(root, 1e-12), LEAST_UNLIKE, MOST_UNLIKE))
     alike = alike_in_reliefs(questions, placements)
