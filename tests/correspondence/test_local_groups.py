@@ -11,7 +11,7 @@ from sherd.correspondence.labels.consistent import PLACE_WIDTH, node_areas, same
 from sherd.correspondence.labels.inverse import inverse_labeling
 from sherd.correspondence.labels.labeling import Labeling, Problem, labeling_problem
 from sherd.correspondence.labels.local_groups import CANDIDATES, local_groups
-from sherd.correspondence.labels.places import UNEQUAL, followed, further_labelings
+from sherd.correspondence.labels.places import UNEQUAL, followed
 from sherd.correspondence.labels.two_way import TwoLabelings, two_way_labelings
 from sherd.correspondence.shared import places_by_form
 from sherd.correspondence.shared.places_by_form import finished_place, labelings_by_form
@@ -85,11 +85,6 @@ def nowhere(known) -> TwoLabelings:
     )
 
 
-@pytest.fixture(scope="module")
-def further(there, back, nowhere) -> list[TwoLabelings]:
-    return further_labelings(there, back, nowhere)
-
-
 def most_right(planted, places: list[TwoLabelings]) -> float:
     """Of the nodes that know where they lie the share that one of the places has right."""
     between = planted.question.full.dense.between
@@ -99,20 +94,6 @@ def most_right(planted, places: list[TwoLabelings]) -> float:
         off = between[found.forward.labels, planted.labels]
         shares.append((found.forward_agrees & (off < CLOSE))[patch].mean())
     return max(shares)
-
-
-def test_one_of_the_places_that_grow_from_groups_is_right(planted, further) -> None:
-    assert most_right(planted, further) > 0.8
-
-
-def test_the_places_that_grow_are_different(there, back, further) -> None:
-    for count, one in enumerate(further):
-        assert not any(alike((there, back), one, other) for other in further[:count])
-
-
-def test_what_is_known_is_no_further_place(there, back, further) -> None:
-    again = further_labelings(there, back, further[0])
-    assert not any(alike((there, back), each, further[0]) for each in again)
 
 
 @pytest.fixture(scope="module")
@@ -149,6 +130,8 @@ def test_places_by_form_are_different_and_not_known(there, back, nowhere, forms)
     problems = (there, back)
     found = labelings_by_form(problems, forms, nowhere)
     assert 0 < len(found) <= places_by_form.LEFT[-1]
+    for count, one in enumerate(found):
+        assert not any(alike(problems, one, other) for other in found[:count])
     again = labelings_by_form(problems, forms, found[0])
     assert not any(alike(problems, each, found[0]) for each in again)
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sherd.correspondence.shared.relief import alike_in, alike_in_relief, form, relief
+from sherd.correspondence.shared.relief import alike_in_form, alike_in_relief, form, relief
 from sherd.mesh.surface_points import SurfacePoints, closest_points, points_at_vertices
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.puzzle.growing.join_chance import UNLIKE
@@ -41,11 +41,6 @@ def laid(
 
 
 HALF_TURN = np.array([1.0, -1.0, -1.0])
-
-
-def alike_in_form(questions: Any, placements: Any) -> float:
-    forms = (form(questions[0].part.mesh), form(questions[1].part.mesh))
-    return alike_in(forms, questions, placements)
 
 
 def likeness(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from types import SimpleNamespace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -23,8 +23,16 @@ def pieces(count: int) -> list[Union]:
     return [Union.of_piece(TriangleMesh(SQUARE * (2 - 0.1 * k), FACES), k) for k in range(count)]
 
 
+@dataclass(frozen=True)
+class Answer:
+    """A meeting, as far as growth asks."""
+
+    chance: float
+    twin: bool = False
+
+
 def answer(chance: float, *, twin: bool = False) -> Any:
-    return SimpleNamespace(chance=chance, twin=twin)
+    return Answer(chance, twin)
 
 
 @pytest.fixture(autouse=True)
@@ -97,6 +105,25 @@ def test_what_was_sure_before_is_recalled_where_a_twin_draws_it_away() -> None:
 
     found = grown(pieces(3), np.ones((3, 3)), meet)
     assert sorted(map(sorted, found.groups)) == [[0, 1, 2]]
+
+
+@pytest.mark.parametrize(
+    ("there", "again", "joined"), [(0.9, 0.6, True), (0.0, 0.6, False), (0.9, 0.4, False)]
+)
+def test_what_is_likely_where_it_surely_lay_is_joined(there, again, joined, monkeypatch) -> None:
+    """`there` is the share of its place that it had before, `again` its chance there."""
+
+    def crowding(one: Join, other: Join) -> float:
+        return there if one.second.members == other.second.members else 0.0
+
+    def meet(first: Union, second: Union, known: Ints, taken: Bools | None) -> Any:
+        return answer({1: 0.95, 2: 0.9 if first.members == (0,) else again}[second.members[0]])
+
+    monkeypatch.setattr(growth, "crowding", crowding)
+    found = grown(pieces(3), np.ones((3, 3)), meet)
+    assert (len(found.groups) == 1) == joined
+    if joined:
+        assert again < found.joins[-1].met.chance < 0.9
 
 
 def test_of_two_in_one_place_neither_is_joined_unless_one_is_far_surer(monkeypatch) -> None:

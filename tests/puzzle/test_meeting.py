@@ -28,7 +28,7 @@ def bumpy_tube() -> TriangleMesh:
 
 def test_what_lies_nowhere_else_is_answered_as_it_is(monkeypatch) -> None:
     """All further places may turn out to be the one that is known."""
-    monkeypatch.setattr(module, "further_labelings", lambda *_: [])
+    monkeypatch.setattr(module, "labelings_by_form", lambda *_: [])
     full = creature(5000)
     front = cut_by_ball(whole(full, full), landmarks(full)["nose"], 0.85)
     tube = bumpy_tube()
@@ -48,7 +48,7 @@ def test_what_may_be_right_its_place_slides_and_is_judged_there(monkeypatch) -> 
         home.append((replace(found[0]), replace(found[1])))
         return home[-1]
 
-    monkeypatch.setattr(module, "further_labelings", lambda *_: [])
+    monkeypatch.setattr(module, "labelings_by_form", lambda *_: [])
     monkeypatch.setattr(module, "may_be_right", lambda *_: True)
     monkeypatch.setattr(module, "slid", slid)
     monkeypatch.setattr(module, "join_chance", lambda _: 0.7)

@@ -15,6 +15,7 @@ from sherd.correspondence.shared.round_trip import round_trip
 from sherd.correspondence.shared.two_way_placement import SharedPlacement
 from sherd.mesh.surface_points import closest_points
 from sherd.overlap import questions_of
+from sherd.puzzle.growing import join_chance
 from sherd.puzzle.growing.join_chance import UNLIKE, chance_where_it_slid, may_be_right
 from sherd.puzzle.growing.sliding import slid
 from sherd.results.advice import SURE
@@ -141,15 +142,24 @@ def test_what_was_sure_is_refused_where_its_slide_says_it_is_something_else(ques
     assert chance_where_it_slid(0.9, questions, home) >= 0.9
 
 
+def test_what_bulges_elsewhere_is_refused_though_all_else_is_right(questions, monkeypatch) -> None:
+    """A leg of a cat fits a horse that lacks one, bumps and all."""
+    home = half_shared(laid(questions, (true_places(questions[0]), true_places(questions[1]))))
+    monkeypatch.setattr(join_chance, "alike_in_form", lambda *_: 0.0)
+    assert chance_where_it_slid(0.9, questions, home) < SURE
+    assert chance_where_it_slid(0.0, questions, home) < SURE
+
+
 def test_what_was_likely_is_refused_where_it_slides_to_nothing_alike(questions) -> None:
     """By accident a small place may have a relief that is alike before, at one width."""
     elsewhere = half_shared(moved(questions, turned_over(questions)))
     assert chance_where_it_slid(0.6, questions, elsewhere) < 0.1
 
 
-def test_of_what_lies_wholly_within_the_other_the_chance_stands(questions) -> None:
+def test_of_what_lies_wholly_within_the_other_the_chance_only_falls(questions) -> None:
     home = laid(questions, (true_places(questions[0]), true_places(questions[1])))
     assert chance_where_it_slid(0.3, questions, home) == 0.3
+    assert chance_where_it_slid(0.9, questions, moved(questions, turned_over(questions))) < 0.5
 
 
 @pytest.mark.parametrize(

@@ -32,6 +32,7 @@ from sherd.spectral.operators import stiffness
 __all__ = [
     "alike_at_labels",
     "alike_in",
+    "alike_in_form",
     "alike_in_relief",
     "bulge",
     "form",
@@ -108,6 +109,15 @@ def alike_in_relief(questions: Both[Question], placements: Both[SharedPlacement]
     """
     reliefs = (relief(questions[0].part.mesh), relief(questions[1].part.mesh))
     return alike_in(reliefs, questions, placements)
+
+
+def alike_in_form(questions: Both[Question], placements: Both[SharedPlacement]) -> float:
+    """How alike the forms of two pieces are where one lies on the other, in [-1, 1].
+
+    See :func:`alike_in`.
+    """
+    forms = (form(questions[0].part.mesh), form(questions[1].part.mesh))
+    return alike_in(forms, questions, placements)
 
 
 def alike_in(

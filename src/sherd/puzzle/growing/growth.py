@@ -8,8 +8,9 @@ that was joined may draw it away from its own place; what was sure before is the
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache
 
 from sherd.arrays import Bools, Floats, Ints
@@ -251,7 +252,8 @@ def _asked(first: Union, second: Union, meet: Meet, growth: Growth) -> Join:
     """The answer of two unions; if it is not sure, that elsewhere or with what was sure recalled.
 
     What is laid on its twin has another place, so it is asked where else it lies. If it surely does
-    it is kept from its twin's place from then on; a right place may look like a twin's, too.
+    it is kept from its twin's place from then on; a right place may look like a twin's, too. What
+    lies where it surely lay before is likely to, see `_confirmed`.
     """
     taken = _taken(first, second, growth)
     join = Join(first, second, meet(first, second, NOTHING_KNOWN, taken))
@@ -268,10 +270,22 @@ def _asked(first: Union, second: Union, meet: Meet, growth: Growth) -> Join:
     if before is None or join.met.chance >= SURE:
         return join
     known = recalled(before, first, second)
-    if not len(known):
+    if len(known):
+        again = Join(first, second, meet(first, second, known, taken))
+        join = max(join, again, key=_chance)
+    return _confirmed(join, before)
+
+
+def _confirmed(join: Join, before: Join) -> Join:
+    """An answer that is likely, and as sure as it and an earlier one at the same place are in mean.
+
+    A union has all that the earlier piece of it had there, so both see much of the same; what two
+    strangers said apart would count as the sum of their log odds, and not as the mean.
+    """
+    if not LIKELY <= join.met.chance < SURE or not _repeated(before, join):
         return join
-    again = Join(first, second, meet(first, second, known, taken))
-    return max(join, again, key=_chance)
+    odds = math.sqrt(_odds(before) * _odds(join))
+    return replace(join, met=replace(join.met, chance=odds / (1.0 + odds)))
 
 
 def _repeated(before: Join, join: Join) -> bool:

@@ -19,7 +19,7 @@ from sherd.correspondence.labels.two_way import Both, TwoLabelings
 from sherd.correspondence.placements import anchor_problem
 from sherd.correspondence.question import Question
 from sherd.correspondence.shared.judgment import MIRROR_CHANCE, likeness_of_both, shared_area
-from sherd.correspondence.shared.relief import alike_in_relief
+from sherd.correspondence.shared.relief import alike_in_form, alike_in_relief
 from sherd.correspondence.shared.two_way_placement import SharedPlacement
 from sherd.puzzle.growing.sliding import alike_in_reliefs
 from sherd.results.advice import SURE
@@ -85,15 +85,15 @@ SPARED = 0.09
 # Of two thirds of three other people on a woman 0.67, 0.79 and 0.82 of the places lead; of right
 # answers that need this to be sure 0.87 and more.
 SLID_LED = 0.85
-# Of one, the share of places that are more alike than mirrored, the share that lead, and strain. A
-# logistic regression over 41 answers of five puzzles (wolf, cat, horse, man, woman) that slid to
-# where reliefs are nearly that alike, wrong ones counting twice: of 33 right ones 4 are below
-# 0.65, of 8 wrong or foreign ones none is above 0.38. With each puzzle left out in turn 5, and two
-# above 0.65: a leg of the man on his other leg, mirrored, and another person, of whom too few lead.
-SLID_COEFFICIENTS = (-9.8, 14.3, 5.0, -19.8)
-# What was sure before is refused below this: of the right ones that were none is below 0.62. Two
-# thirds of three other people, none of whom was sure, have 0.12, 0.67 and 0.70.
-SLID_LIKELY = 0.5
+# Of one, the share of places that are more alike than mirrored, the share that lead, strain, and
+# how alike forms are. A logistic regression over 114 answers to ten puzzles and to eight animals
+# and people that were asked for the limb they lack, which slid to where reliefs are nearly that
+# alike, wrong ones counting twice: of 87 right ones 11 are below 0.65, of 27 wrong or foreign ones
+# one is at 0.65. With each shape left out in turn 11, and three above, all of which the conditions
+# here refuse. What an answer was worth before its slide adds nothing to these (a coefficient of
+# -0.1 of its log odds). Limbs of other people, strained by 0.05 on a limb as long, are not in it:
+# they have up to 0.8.
+SLID_COEFFICIENTS = (-14.9, 12.8, 3.6, -6.0, 6.3)
 
 
 def join_chance(features: Floats) -> float:
@@ -120,22 +120,24 @@ def chance_where_it_slid(
 ) -> float:
     """The chance of an answer by what is seen where it slid to, too.
 
-    Skin that is laid on itself there is more alike than its mirror image, its places lead, and it
-    is hardly strained; something else is strained by the slide. With alike reliefs that is enough
-    to be sure, and without them nothing is: skin that slid to where it is most alike and is no more
-    so than by accident is not the same skin. What was sure before must be likelier right than not
-    there, too. Of what lies wholly within the other all places may lead, so the chance `before`
-    stands.
+    Skin that is laid on itself there is more alike than its mirror image, its places lead, it is
+    hardly strained, and it bulges where it did; something else is strained by the slide, and
+    bulges elsewhere. With alike reliefs that is enough to be sure, and without them nothing is:
+    skin that slid to where it is most alike and is no more so than by accident is not the same
+    skin. So what was likely before is no likelier than that. Of what lies wholly within the other
+    all places may lead, so what is seen there makes nothing likelier.
     """
     both = tuple(zip(questions, placements, strict=True))
     likeness = likeness_of_both(questions, placements)
-    if likeness is None or max(_mean_share(*each) for each in both) > WITHIN:
+    if likeness is None:
         return before
     strain = float(np.mean([_mean_strain(*each) for each in both]))
-    features = np.array([1.0, likeness.handed, likeness.leading, strain])
+    bulging = alike_in_form(questions, placements)
+    features = np.array([1.0, likeness.handed, likeness.leading, strain, bulging])
     seen = float(1.0 / (1.0 + np.exp(-features @ np.array(SLID_COEFFICIENTS))))
-    if before >= SURE and seen < SLID_LIKELY:
-        return float(max(seen, LEAST))
+    before = max(min(before, seen), LEAST)
+    if max(_mean_share(*each) for each in both) > WITHIN:
+        return before
     root = float(np.sqrt(shared_area(questions, placements)))
     unlike = float(np.clip(SLID_UNLIKE / max(root, 1e-12), LEAST_UNLIKE, MOST_UNLIKE))
     alike = alike_in_reliefs(questions, placements)

@@ -2,7 +2,7 @@
 
 As :func:`sherd.overlap` finds it, but for the chance, which asks for one thing more: where both are
 cut from one whole, what they share ends where one of both does. Where that is not sure, further
-places are laid and judged the same way.
+places, those whose form is most alike, are laid and judged the same way.
 """
 
 from __future__ import annotations
@@ -14,10 +14,11 @@ from functools import partial
 import numpy as np
 
 from sherd.arrays import Bools, Ints
-from sherd.correspondence.labels.places import followed, further_labelings
+from sherd.correspondence.labels.places import followed
 from sherd.correspondence.labels.two_way import Both, TwoLabelings
 from sherd.correspondence.question import NO_PINS, Question
-from sherd.correspondence.shared.relief import alike_in_relief
+from sherd.correspondence.shared.places_by_form import finished_place, labelings_by_form
+from sherd.correspondence.shared.relief import alike_in_relief, form
 from sherd.correspondence.shared.two_way_placement import SharedPlacement, placed_together
 from sherd.correspondence.working_placement import Queries
 from sherd.mesh.surface_points import closest_points
@@ -130,7 +131,9 @@ def meeting(
     met = answer(led)
     if met.chance >= SURE:
         return met
-    tried = [followed(problems, each) for each in further_labelings(*problems, labelings)]
+    forms = (form(questions[0].part.mesh), form(questions[1].part.mesh))
+    begun = labelings_by_form(problems, forms, labelings)
+    tried = [followed(problems, finished_place(problems, each)) for each in begun]
     if led is not labelings:
         tried.append(labelings)
     # of two that are as unlikely the one that saves most
