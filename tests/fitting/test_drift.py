@@ -71,3 +71,9 @@ def test_a_mesh_too_coarse_to_show_relief_moves_nothing(whole) -> None:
     surface, seen = half(coarse)
     targets = drifted(coarse, surface, seen, -0.015)
     assert (without_drift(coarse, targets, surface).positions == targets.positions).all()
+
+
+def test_a_piece_without_a_border_is_seen_all_over(whole) -> None:
+    targets = drifted(whole, whole, np.ones(whole.vertex_count, dtype=bool), -0.015)
+    found = without_drift(whole, targets, whole)
+    assert error(whole, found) < 0.7 * error(whole, targets)

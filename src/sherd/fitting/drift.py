@@ -116,6 +116,6 @@ def _depth(surface: TriangleMesh) -> Floats:
     """How far (m,) each vertex is from where the surface ends, in a straight line."""
     ends = surface.boundary_vertices
     if not len(ends):
-        return np.full(surface.vertex_count, np.inf)
+        return np.full(surface.vertex_count, CLEAR * max(WIDTHS))
     depth: Floats = np.asarray(cKDTree(surface.vertices[ends]).query(surface.vertices)[0])
     return depth
