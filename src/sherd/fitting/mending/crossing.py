@@ -12,11 +12,15 @@ from sherd.arrays import Bools, Floats, Ints
 from sherd.correspondence.elastic_kernel import closest_rotations
 from sherd.fitting.as_rigid_as_possible import Elasticity
 from sherd.fitting.deformation import Deformation, corners_of, with_rings, without_data
+from sherd.fitting.mending.patch import Patch
 from sherd.fitting.mending.rest_crossing import rest_crossings, with_rest_crossings
-from sherd.fitting.mending.self_intersection import intersecting_faces, intersecting_pairs
+from sherd.fitting.mending.self_intersection import (
+    intersecting_faces,
+    intersecting_pairs,
+    marked_faces,
+)
 from sherd.mesh.geometry import closest_rotation, face_areas, face_normals
-from sherd.mesh.topology import component_labels, renumbered
-from sherd.mesh.triangle_mesh import TriangleMesh
+from sherd.mesh.topology import component_labels
 
 __all__ = ["MOST_CROSSINGS", "new_crossings", "without_new_crossings"]
 
@@ -48,7 +52,9 @@ def without_new_crossings(elasticity: Elasticity, found: Deformation, seen: Bool
     another limb, and would not be home if they were pushed out of it: see :func:`_let_go`. Such a
     step is kept only if it leaves fewer crossings and the area.
     """
-    crossed = _Fewest(elasticity, _moved_as_before(elasticity, found))
+    pierced = intersecting_pairs(elasticity.rest, elasticity.mesh.faces)
+    before = marked_faces(pierced, elasticity.mesh.face_count)
+    crossed = _Fewest(elasticity, _moved_as_before(elasticity, found, pierced, before), before)
     pushed = copy(crossed)
     _push_around(elasticity, pushed)
     if pushed.count <= MOST_CROSSINGS * elasticity.mesh.face_count:
@@ -57,15 +63,17 @@ def without_new_crossings(elasticity: Elasticity, found: Deformation, seen: Bool
     return crossed.best
 
 
-def _moved_as_before(elasticity: Elasticity, found: Deformation) -> Deformation:
+def _moved_as_before(
+    elasticity: Elasticity, found: Deformation, pierced: Ints, before: Bools
+) -> Deformation:
     """What crosses where the full shape does, moved as it lies there, with more and more around.
 
+    `pierced` (k, 2) are the pairs that cross there, `before` (m,) their faces.
     Bodies have the area that they should have, so nothing is asked about area.
     """
     faces = elasticity.mesh.faces
-    before = intersecting_faces(elasticity.rest, faces)
     crossing = np.unique(_new_pairs(found.positions, faces, before))
-    places = rest_crossings(elasticity) if len(crossing) else []
+    places = rest_crossings(elasticity, pierced) if len(crossing) else []
     for rings in RIGID_RINGS:
         if not (places and len(crossing)):
             break
@@ -106,9 +114,8 @@ def _let_go(elasticity: Elasticity, fewest: _Fewest, seen: Bools) -> None:
 class _Fewest:
     """Of deformations that are shown, the one with the fewest crossings that keeps the area."""
 
-    def __init__(self, elasticity: Elasticity, found: Deformation) -> None:
-        self.mesh = elasticity.mesh
-        self.before = intersecting_faces(elasticity.rest, self.mesh.faces)
+    def __init__(self, elasticity: Elasticity, found: Deformation, before: Bools) -> None:
+        self.mesh, self.before = elasticity.mesh, before
         sizes = found.sizes[self.mesh.faces]
         self.area = float(self.mesh.face_areas @ (sizes**2).mean(axis=1))
         self.most_off = max(self._off(found), AREA_CHANGE)
@@ -189,19 +196,14 @@ def _pushed_around(
     elasticity: Elasticity, found: Deformation, pairs: Ints, before: Bools, rings: int
 ) -> Deformation:
     """Crossing surfaces pushed apart, seen or not; so many rings around them follow, no more."""
-    faces = elasticity.mesh.faces
     free = with_rings(elasticity, corners_of(elasticity, np.unique(pairs)), rings)
-    patch = np.flatnonzero(free[faces].any(axis=1))
-    used, corners = renumbered(faces[patch])
-    local = Elasticity(TriangleMesh(elasticity.rest[used], corners))
-    start = Deformation(found.positions[used], found.rotations[used], found.sizes[used])
+    patch = Patch(elasticity, found, free)
+    local, start, before = patch.elasticity, patch.start, before[patch.faces]
 
-    crossed = _new_pairs(start.positions, corners, before[patch])
-    pushes = _pushes(local, start, crossed, before[patch], ~free[used])
+    crossed = _new_pairs(start.positions, local.mesh.faces, before)
+    pushes = _pushes(local, start, crossed, before, ~patch.free)
     best, _ = min(((start, crossed), *pushes), key=lambda each: len(np.unique(each[1])))
-    positions, rotations = found.positions.copy(), found.rotations.copy()
-    positions[used], rotations[used] = best.positions, best.rotations
-    return replace(found, positions=positions, rotations=rotations)
+    return patch.put_back(found, best)
 
 
 def _pushes(

@@ -14,10 +14,9 @@ import numpy as np
 from sherd.arrays import Bools, Ints
 from sherd.fitting.as_rigid_as_possible import Elasticity
 from sherd.fitting.deformation import Deformation, corners_of, with_rings
-from sherd.fitting.mending.self_intersection import intersecting_pairs
+from sherd.fitting.mending.patch import Patch
 from sherd.mesh.geometry import closest_rotation
-from sherd.mesh.topology import component_labels, renumbered
-from sherd.mesh.triangle_mesh import TriangleMesh
+from sherd.mesh.topology import component_labels
 
 __all__ = ["rest_crossings", "with_rest_crossings"]
 
@@ -33,13 +32,12 @@ ROUNDS = 3
 FIXED_LENGTH = 1e-4
 
 
-def rest_crossings(elasticity: Elasticity) -> list[Ints]:
-    """The vertices of each place where faces pierce each other in the full shape.
+def rest_crossings(elasticity: Elasticity, pairs: Ints) -> list[Ints]:
+    """The vertices of each place where `pairs` (k, 2) of faces pierce each other.
 
     Faces that pierce each other, and those that have a corner in common, are of one place.
     """
     faces = elasticity.mesh.faces
-    pairs = intersecting_pairs(elasticity.rest, faces)
     if not len(pairs):
         return []
     crossing = np.unique(pairs)
@@ -98,10 +96,8 @@ def with_rest_crossings(
 
 def _followed(elasticity: Elasticity, moved: Deformation, free: Bools) -> Deformation:
     """What is `free` (n,) follows what is around it, which stays."""
-    faces = elasticity.mesh.faces
-    used, corners = renumbered(faces[free[faces].any(axis=1)])
-    local, own = Elasticity(TriangleMesh(elasticity.rest[used], corners)), free[used]
-    now = Deformation(moved.positions[used], moved.rotations[used], moved.sizes[used])
+    patch = Patch(elasticity, moved, free)
+    local, now, own = patch.elasticity, patch.start, patch.free
     relaxed = local.relaxation(local.areas * ~own / FIXED_LENGTH**2)
     for _ in range(ROUNDS):
         places = relaxed(now.turns, now.positions, now.positions)
@@ -109,6 +105,4 @@ def _followed(elasticity: Elasticity, moved: Deformation, free: Bools) -> Deform
         turned = local.fitted_rotations(places)
         turned = np.where(own[:, None, None], turned, now.rotations)
         now = replace(now, positions=places, rotations=turned)
-    positions, rotations = moved.positions.copy(), moved.rotations.copy()
-    positions[used], rotations[used] = now.positions, now.rotations
-    return replace(moved, positions=positions, rotations=rotations)
+    return patch.put_back(moved, now)

@@ -12,7 +12,7 @@ import numpy as np
 from sherd.arrays import Bools, Floats, Ints
 from sherd.threads import over_rows
 
-__all__ = ["intersecting_faces", "intersecting_pairs"]
+__all__ = ["intersecting_faces", "intersecting_pairs", "marked_faces"]
 
 # Width of a strip in mean heights of faces: narrower ones hold more faces twice.
 STRIP = 4.0
@@ -80,6 +80,11 @@ def _in_strips(low: Floats, top: Floats) -> tuple[Ints, Ints]:
 
 def intersecting_faces(vertices: Floats, faces: Ints) -> Bools:
     """Whether each face (m,) pierces another or is pierced; see :func:`intersecting_pairs`."""
-    marked = np.zeros(len(faces), dtype=bool)
-    marked[intersecting_pairs(vertices, faces).ravel()] = True
+    return marked_faces(intersecting_pairs(vertices, faces), len(faces))
+
+
+def marked_faces(pairs: Ints, count: int) -> Bools:
+    """Whether each of so many faces (count,) is in one of the pairs (k, 2)."""
+    marked = np.zeros(count, dtype=bool)
+    marked[pairs.ravel()] = True
     return marked
