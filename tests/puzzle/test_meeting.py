@@ -9,6 +9,7 @@ import numpy as np
 
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.puzzle.growing import meeting as module
+from sherd.puzzle.growing.join_chance import SlidChance
 from sherd.puzzle.growing.meeting import meeting
 from sherd.results.advice import SURE
 from sherd.shapes import creature, cut_by_ball, landmarks, whole
@@ -53,7 +54,8 @@ def test_what_may_be_right_its_place_slides_and_is_judged_there(monkeypatch) -> 
     monkeypatch.setattr(module, "slid", slid)
     monkeypatch.setattr(module, "join_chance", lambda _: 0.7)
     for chance, alike, moves in ((0.9, 0.0, True), (0.7, 1.0, True), (0.7, -1.0, False)):
-        monkeypatch.setattr(module, "chance_where_it_slid", lambda *_, chance=chance: chance)
+        said = SlidChance(chance, 0.0)
+        monkeypatch.setattr(module, "chance_where_it_slid", lambda *_, said=said: said)
         monkeypatch.setattr(
             module,
             "alike_in_relief",

@@ -130,36 +130,38 @@ def test_what_slid_home_is_sure_and_what_slid_elsewhere_is_not(questions) -> Non
     forward = np.eye(3)[np.ptp(truths[0], axis=0).argmax()]
     beside = laid(questions, (truths[0] + BESIDE * forward, truths[1] - BESIDE * forward))
     home = half_shared(moved(questions, beside))
-    assert chance_where_it_slid(0.0, questions, home) > SURE
+    assert chance_where_it_slid(0.0, questions, home).chance > SURE
     elsewhere = half_shared(moved(questions, turned_over(questions)))
-    assert chance_where_it_slid(0.0, questions, elsewhere) < 0.1
+    assert chance_where_it_slid(0.0, questions, elsewhere).chance < 0.1
 
 
 def test_what_was_sure_is_refused_where_its_slide_says_it_is_something_else(questions) -> None:
     elsewhere = half_shared(moved(questions, turned_over(questions)))
-    assert chance_where_it_slid(0.9, questions, elsewhere) < 0.5
+    assert chance_where_it_slid(0.9, questions, elsewhere).chance < 0.5
     home = half_shared(laid(questions, (true_places(questions[0]), true_places(questions[1]))))
-    assert chance_where_it_slid(0.9, questions, home) >= 0.9
+    assert chance_where_it_slid(0.9, questions, home).chance >= 0.9
 
 
 def test_what_bulges_elsewhere_is_refused_though_all_else_is_right(questions, monkeypatch) -> None:
     """A leg of a cat fits a horse that lacks one, bumps and all."""
     home = half_shared(laid(questions, (true_places(questions[0]), true_places(questions[1]))))
     monkeypatch.setattr(join_chance, "alike_in_form", lambda *_: 0.0)
-    assert chance_where_it_slid(0.9, questions, home) < SURE
-    assert chance_where_it_slid(0.0, questions, home) < SURE
+    assert chance_where_it_slid(0.9, questions, home).chance < SURE
+    assert chance_where_it_slid(0.0, questions, home).chance < SURE
 
 
 def test_what_was_likely_is_refused_where_it_slides_to_nothing_alike(questions) -> None:
     """By accident a small place may have a relief that is alike before, at one width."""
     elsewhere = half_shared(moved(questions, turned_over(questions)))
-    assert chance_where_it_slid(0.6, questions, elsewhere) < 0.1
+    assert chance_where_it_slid(0.6, questions, elsewhere).chance < 0.1
 
 
 def test_of_what_lies_wholly_within_the_other_the_chance_only_falls(questions) -> None:
     home = laid(questions, (true_places(questions[0]), true_places(questions[1])))
-    assert chance_where_it_slid(0.3, questions, home) == 0.3
-    assert chance_where_it_slid(0.9, questions, moved(questions, turned_over(questions))) < 0.5
+    assert chance_where_it_slid(0.3, questions, home).chance == 0.3
+    assert (
+        chance_where_it_slid(0.9, questions, moved(questions, turned_over(questions))).chance < 0.5
+    )
 
 
 @pytest.mark.parametrize(

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from sherd.puzzle.growing.answer import Meeting
 from sherd.puzzle.growing.joined_maps import direct_maps
-from sherd.puzzle.growing.meeting import Meeting, meeting
+from sherd.puzzle.growing.meeting import meeting
 from sherd.puzzle.growing.union import Join, Union, recalled, united
 from sherd.results.advice import SURE
 from sherd.shapes import creature, cut_by_ball, landmarks, moved, whole

@@ -15,7 +15,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from sherd.arrays import Floats
-from sherd.correspondence.shared.relief import bulge, relief
+from sherd.correspondence.shared.relief import relief_and_bulge
 from sherd.fitting.targets import Targets
 from sherd.mesh.geometry import vertex_normals
 from sherd.mesh.surface_finder import SurfaceFinder
@@ -90,10 +90,10 @@ def _field(shape: TriangleMesh, targets: Targets, surface: TriangleMesh) -> Floa
     edge = max(shape.mean_edge_length, surface.mean_edge_length)
     for width in (width for width in WIDTHS if width >= edge):
         pictures = []
-        for picture in (relief, bulge):
-            own = ranks(picture(seen, width), all_here)
-            other = ranks(picture(surface, width), all_there)
-            pictures.append((own, other, slopes(surface, other)))
+        here, there = relief_and_bulge(seen, width), relief_and_bulge(surface, width)
+        for own, other in zip(here, there, strict=True):
+            other_ranks = ranks(other, all_there)
+            pictures.append((ranks(own, all_here), other_ranks, slopes(surface, other_ranks)))
         for _ in range(STEPS):
             facing = vertex_normals(start + slide, corners)
             points = finder.closest(start + slide, facing)

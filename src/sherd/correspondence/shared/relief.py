@@ -34,9 +34,9 @@ __all__ = [
     "alike_in",
     "alike_in_form",
     "alike_in_relief",
-    "bulge",
     "form",
     "relief",
+    "relief_and_bulge",
     "seen_area",
 ]
 
@@ -62,9 +62,8 @@ def relief(mesh: TriangleMesh, width: float = FINE) -> Floats:
     that. The root, as the curvature of a bump is that of its size squared, and tips would outweigh
     all else.
     """
-    defects = angle_defects(mesh.vertices, mesh.faces)
-    fine, coarse = _averaged(mesh, defects, (width, AROUND * width))
-    return _signed_root(fine) - _signed_root(coarse)
+    fine, coarse = _averaged(mesh, _angle_defects(mesh)[:, None], (width, AROUND * width))
+    return _signed_root(fine[:, 0]) - _signed_root(coarse[:, 0])
 
 
 def form(mesh: TriangleMesh) -> Floats:
@@ -73,17 +72,26 @@ def form(mesh: TriangleMesh) -> Floats:
     Mean curvature averaged over `FORM_FINE`, less the same over `FORM_COARSE`: half of the
     Laplacian of positions along the normal.
     """
-    fine, coarse = _averaged(mesh, _mean_curvature(mesh), (FORM_FINE, FORM_COARSE))
-    return fine - coarse
+    fine, coarse = _averaged(mesh, _mean_curvature(mesh)[:, None], (FORM_FINE, FORM_COARSE))
+    form: Floats = (fine - coarse)[:, 0]
+    return form
 
 
-def bulge(mesh: TriangleMesh, width: float) -> Floats:
-    """How a mesh bulges (n,) in units of sqrt(area), 1 / length; negative in a hollow.
+def relief_and_bulge(mesh: TriangleMesh, width: float) -> tuple[Floats, Floats]:
+    """The relief (n,) of a mesh, see :func:`relief`, and how it bulges, negative in a hollow.
 
-    Mean curvature averaged over `width`, less the same over `AROUND` times that.
+    That is mean curvature averaged over `width`, less the same over `AROUND` times that. Two
+    pictures of one surface: neither follows from the other, and where one is flat the other one
+    may have a slope.
     """
-    fine, coarse = _averaged(mesh, _mean_curvature(mesh), (width, AROUND * width))
-    return fine - coarse
+    curvatures = np.stack([_angle_defects(mesh), _mean_curvature(mesh)], axis=1)
+    fine, coarse = _averaged(mesh, curvatures, (width, AROUND * width))
+    return _signed_root(fine[:, 0]) - _signed_root(coarse[:, 0]), fine[:, 1] - coarse[:, 1]
+
+
+def _angle_defects(mesh: TriangleMesh) -> Floats:
+    """Integral (n,) of Gaussian curvature around each vertex."""
+    return angle_defects(mesh.vertices, mesh.faces)
 
 
 def _mean_curvature(mesh: TriangleMesh) -> Floats:
@@ -93,13 +101,12 @@ def _mean_curvature(mesh: TriangleMesh) -> Floats:
     return bent
 
 
-def _averaged(mesh: TriangleMesh, curvature: Floats, widths: tuple[float, float]) -> list[Floats]:
-    """Integrals (n,) of curvature at vertices as its mean (n,) over each width."""
-    inside = curvature.copy()
+def _averaged(mesh: TriangleMesh, curvatures: Floats, widths: tuple[float, float]) -> list[Floats]:
+    """Integrals (n, k) of curvatures at vertices as their means (n, k) over each width."""
+    inside = curvatures.copy()
     inside[mesh.boundary_vertices] = 0.0
     areas = np.maximum(mesh.vertex_areas, 1e-12 * mesh.area / mesh.vertex_count)
-    density = (inside / areas)[:, None]
-    return [diffused(mesh, density, width)[:, 0] for width in widths]
+    return [diffused(mesh, inside / areas[:, None], width) for width in widths]
 
 
 def alike_in_relief(questions: Both[Question], placements: Both[SharedPlacement]) -> float:

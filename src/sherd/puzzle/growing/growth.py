@@ -14,8 +14,9 @@ from dataclasses import dataclass, field, replace
 from functools import cache
 
 from sherd.arrays import Bools, Floats, Ints
+from sherd.puzzle.growing.answer import Meeting
 from sherd.puzzle.growing.joined_maps import open_loop
-from sherd.puzzle.growing.meeting import NOTHING_KNOWN, Meeting
+from sherd.puzzle.growing.meeting import NOTHING_KNOWN
 from sherd.puzzle.growing.union import Join, Union, crowding, recalled, taken_by, united
 from sherd.results.advice import SURE
 

@@ -8,7 +8,7 @@ is looked at once more where it slid to.
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -26,10 +26,12 @@ from sherd.results.advice import SURE
 from sherd.surface.transformed import mirrored, sampled_within
 
 __all__ = [
+    "SlidChance",
     "chance_where_it_slid",
     "fits_a_twin",
     "join_chance",
     "join_features",
+    "lies_within",
     "may_be_right",
 ]
 
@@ -96,6 +98,23 @@ SLID_LED = 0.85
 SLID_COEFFICIENTS = (-14.9, 12.8, 3.6, -6.0, 6.3)
 
 
+@dataclass(frozen=True)
+class SlidChance:
+    """What is thought of an answer where it slid to.
+
+    Attributes
+    ----------
+    chance
+        That it is right.
+    by_skin
+        The same by the skin that is shared alone: whatever was thought before, whether places lead,
+        and whether one piece lies within the other. 0 where too little is shared to be judged.
+    """
+
+    chance: float
+    by_skin: float
+
+
 def join_chance(features: Floats) -> float:
     """`1 / (1 + exp(-features @ coefficients))`, kept inside [0.005, 0.995], if reliefs are alike.
 
@@ -117,7 +136,7 @@ def may_be_right(features: Floats) -> bool:
 
 def chance_where_it_slid(
     before: float, questions: Both[Question], placements: Both[SharedPlacement]
-) -> float:
+) -> SlidChance:
     """The chance of an answer by what is seen where it slid to, too.
 
     Skin that is laid on itself there is more alike than its mirror image, its places lead, it is
@@ -127,23 +146,30 @@ def chance_where_it_slid(
     skin. So what was likely before is no likelier than that. Of what lies wholly within the other
     all places may lead, so what is seen there makes nothing likelier.
     """
-    both = tuple(zip(questions, placements, strict=True))
     likeness = likeness_of_both(questions, placements)
     if likeness is None:
-        return before
+        return SlidChance(before, 0.0)
+    both = tuple(zip(questions, placements, strict=True))
     strain = float(np.mean([_mean_strain(*each) for each in both]))
     bulging = alike_in_form(questions, placements)
     features = np.array([1.0, likeness.handed, likeness.leading, strain, bulging])
     seen = float(1.0 / (1.0 + np.exp(-features @ np.array(SLID_COEFFICIENTS))))
-    before = max(min(before, seen), LEAST)
-    if max(_mean_share(*each) for each in both) > WITHIN:
-        return before
     root = float(np.sqrt(shared_area(questions, placements)))
     unlike = float(np.clip(SLID_UNLIKE / max(root, 1e-12), LEAST_UNLIKE, MOST_UNLIKE))
     alike = alike_in_reliefs(questions, placements)
-    seen *= _above(alike, unlike, UNLIKE_STEP) * _above(likeness.leading, SLID_LED, LED_STEP)
+    by_skin = seen * _above(alike, unlike, UNLIKE_STEP)
+    before = max(min(before, seen), LEAST)
+    if lies_within(questions, placements):
+        return SlidChance(before, by_skin)
     before *= _above(alike, unlike - SPARED, UNLIKE_STEP)
-    return float(np.clip(max(before, seen), LEAST, MOST))
+    led = by_skin * _above(likeness.leading, SLID_LED, LED_STEP)
+    return SlidChance(float(np.clip(max(before, led), LEAST, MOST)), by_skin)
+
+
+def lies_within(questions: Both[Question], placements: Both[SharedPlacement]) -> bool:
+    """Whether one of two pieces lies within the other, but for slivers along its cut."""
+    both = zip(questions, placements, strict=True)
+    return max(_mean_share(*each) for each in both) > WITHIN
 
 
 def fits_a_twin(features: Floats) -> bool:
@@ -190,7 +216,7 @@ def join_features(
     both = tuple(zip(questions, placements, strict=True))
     inside = np.concatenate([_rim_inside(*each) for each in both])
     rim = float(inside.mean()) if len(inside) else 0.0
-    if max(_mean_share(*each) for each in both) > WITHIN:
+    if lies_within(questions, placements):
         rim = max(rim, UNTOLD)
     return np.array(
         [

@@ -8,7 +8,7 @@ places, those whose form is most alike, are laid and judged the same way.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -19,7 +19,7 @@ from sherd.correspondence.labels.two_way import Both, TwoLabelings
 from sherd.correspondence.question import NO_PINS, Question
 from sherd.correspondence.shared.places_by_form import finished_place, labelings_by_form
 from sherd.correspondence.shared.relief import alike_in_relief, form
-from sherd.correspondence.shared.two_way_placement import SharedPlacement, placed_together
+from sherd.correspondence.shared.two_way_placement import placed_together
 from sherd.correspondence.working_placement import Queries
 from sherd.mesh.surface_points import closest_points
 from sherd.mesh.triangle_mesh import TriangleMesh
@@ -31,6 +31,7 @@ from sherd.overlap import (
     queries_both_ways,
     questions_of,
 )
+from sherd.puzzle.growing.answer import Meeting
 from sherd.puzzle.growing.join_chance import (
     chance_where_it_slid,
     fits_a_twin,
@@ -39,40 +40,18 @@ from sherd.puzzle.growing.join_chance import (
     may_be_right,
 )
 from sherd.puzzle.growing.sliding import slid
+from sherd.puzzle.growing.twin import beside_their_twins
 from sherd.results.advice import SURE
 from sherd.results.overlap_options import OverlapOptions
 from sherd.surface.described import DescribedSurface
 from sherd.surface.prepared import described_part
-from sherd.surface.transformed import sampled_within
+from sherd.surface.transformed import mirrored, sampled_within
 from sherd.threads import one_blas_thread, side_by_side
 
-__all__ = ["NOTHING_KNOWN", "Describe", "Meeting", "meeting"]
+__all__ = ["NOTHING_KNOWN", "Describe", "meeting"]
 
 Describe = Callable[[TriangleMesh, float], DescribedSurface]
 NOTHING_KNOWN = np.empty((0, 2), dtype=np.int64)
-
-
-@dataclass(frozen=True, eq=False)
-class Meeting:
-    """What two surfaces share.
-
-    Attributes
-    ----------
-    questions
-        The second on the first, and the first on the second.
-    queries, placements
-        Of both.
-    chance
-        That what they share is found rightly, and they belong together.
-    twin
-        Whether what they share is laid on its twin, as a left leg on a right one.
-    """
-
-    questions: Both[Question]
-    queries: Both[Queries]
-    placements: Both[SharedPlacement]
-    chance: float
-    twin: bool
 
 
 @one_blas_thread()
@@ -110,10 +89,26 @@ def meeting(
         surfaces = (describe(first, unit), describe(second, unit))
     for surface in surfaces:
         prepare_both_ways(surface)
+    described = surfaces
     free = None if taken is None else _free(surfaces[0], first, taken)
     if free is not None and free[surfaces[0].sparse.vertices].any():
         known = known[free[surfaces[0].working.working_vertices(known[:, 0])]]
         surfaces = (sampled_within(surfaces[0], free), surfaces[1])
+    answers = _answers(surfaces, seed, known, free)
+    return beside_their_twins(answers, partial(_mirrored_answers, described, seed))
+
+
+def _mirrored_answers(surfaces: Both[DescribedSurface], seed: int) -> list[Meeting]:
+    """Of the mirror image of the second surface; nothing is known of it, and no place is taken."""
+    image = mirrored(surfaces[1])
+    prepare_both_ways(image)
+    return _answers((surfaces[0], image), seed, NOTHING_KNOWN, None)
+
+
+def _answers(
+    surfaces: Both[DescribedSurface], seed: int, known: Ints, free: Bools | None
+) -> list[Meeting]:
+    """What saves most, and further places if that is not sure."""
     there, back = questions_of(surfaces, known, unknown=False)
     questions = (
         replace(there.with_stretch(STRETCH), free=free),
@@ -130,14 +125,14 @@ def meeting(
     led = followed(problems, labelings)
     met = answer(led)
     if met.chance >= SURE:
-        return met
+        return [met]
     forms = (form(questions[0].part.mesh), form(questions[1].part.mesh))
     begun = labelings_by_form(problems, forms, labelings)
     tried = [followed(problems, finished_place(problems, each)) for each in begun]
     if led is not labelings:
         tried.append(labelings)
-    # of two that are as unlikely the one that saves most
-    return max([met, *side_by_side(partial(answer, each) for each in tried)], key=_chance)
+    # of two that are as unlikely the one that saves most comes first
+    return [met, *side_by_side(partial(answer, each) for each in tried)]
 
 
 def _answer(
@@ -159,16 +154,18 @@ def _slid(met: Meeting) -> Meeting:
     found = slid(met.questions, met.placements, strain=OverlapOptions().strain)
     if not all(place.shared.any() for place in found):
         return met
-    chance = chance_where_it_slid(met.chance, met.questions, found)
-    there = replace(met, placements=found, chance=chance, twin=met.twin and chance < SURE)
-    if chance > met.chance:
+    said = chance_where_it_slid(met.chance, met.questions, found)
+    there = replace(
+        met,
+        placements=found,
+        chance=said.chance,
+        twin=met.twin and said.chance < SURE,
+        by_skin=said.by_skin,
+    )
+    if max(said.chance, said.by_skin) > met.chance:
         return there
     before, after = (alike_in_relief(met.questions, each) for each in (met.placements, found))
-    return there if after > before else replace(met, chance=chance)
-
-
-def _chance(met: Meeting) -> float:
-    return met.chance
+    return there if after > before else replace(met, chance=said.chance)
 
 
 def _free(surface: DescribedSurface, mesh: TriangleMesh, taken: Bools) -> Bools:

@@ -1,11 +1,11 @@
-"""What two pieces share, slid along the skin until the relief of one lies on that of the other.
+"""What two pieces share, slid along the skin until bumps of one lie on those of the other.
 
 Where skin stretches between two poses an elastic surface does not follow. It lies beside its place,
 with less strain than there and everywhere by about as much, and neighborhoods that are wider than
 the slide look as alike as at the place itself. But bumps and hollows of the skin say where it lies.
 So a map is moved along the surface as one picture of a film onto the next: by the smooth field that
-best explains how reliefs differ, wide bumps first. At a wrong place there is no such field, and
-reliefs stay as unlike as they were.
+best explains how Gaussian and mean curvature differ, wide bumps first. At a wrong place there is no
+such field, and reliefs stay as unlike as they were.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from sherd.correspondence.elastic_kernel import fit_rotations
 from sherd.correspondence.labels.two_way import Both
 from sherd.correspondence.question import Question
 from sherd.correspondence.registration import Deformation
-from sherd.correspondence.shared.relief import alike_in, relief, seen_area
+from sherd.correspondence.shared.relief import alike_in, relief_and_bulge, seen_area
 from sherd.correspondence.shared.two_way_placement import SharedPlacement, drawn_together
 from sherd.mesh.geometry import vertex_normals
 from sherd.mesh.triangle_mesh import TriangleMesh
@@ -82,37 +82,41 @@ def alike_in_reliefs(questions: Both[Question], placements: Both[SharedPlacement
 
     Mean over the finer of `WIDTHS`.
     """
-    there, here = (_reliefs(question.full.mesh)[-JUDGING:] for question in questions)
-    both = zip(here, there, strict=True)
-    return float(np.mean([alike_in(fields, questions, placements) for fields in both]))
+    there, here = (_pictures(question.full.mesh)[-JUDGING:] for question in questions)
+    reliefs = ((own[0], other[0]) for own, other in zip(here, there, strict=True))
+    return float(np.mean([alike_in(fields, questions, placements) for fields in reliefs]))
 
 
 # each question asks for those of both of its surfaces, many times
 @lru_cache(maxsize=4)
-def _reliefs(mesh: TriangleMesh) -> tuple[Floats, ...]:
-    """The relief (n,) of a mesh at each of `WIDTHS`."""
-    return tuple(relief(mesh, width) for width in WIDTHS)
+def _pictures(mesh: TriangleMesh) -> tuple[tuple[Floats, Floats], ...]:
+    """Relief (n,) and bulge (n,) of a mesh at each of `WIDTHS`."""
+    return tuple(relief_and_bulge(mesh, width) for width in WIDTHS)
 
 
 def _moved(question: Question, own: SharedPlacement, other: SharedPlacement) -> Deformation:
-    """The part, slid along the full shape by how reliefs differ over what is shared."""
+    """The part, slid along the full shape by how both differ over what is shared."""
     part, full = question.part.mesh, question.full.mesh
     start = own.deformation.positions
     slide = np.zeros_like(start)
     surface = question.full.finder.follower()
-    for here, there, width in zip(_reliefs(part), _reliefs(full), WIDTHS, strict=True):
-        sought, seen = ranks(here, own.shared), ranks(there, other.shared)
-        steep = slopes(full, seen)
+    for here, there, width in zip(_pictures(part), _pictures(full), WIDTHS, strict=True):
+        sought = [ranks(picture, own.shared) for picture in here]
+        seen = [ranks(picture, other.shared) for picture in there]
+        steep = [slopes(full, picture) for picture in seen]
         for _ in range(STEPS):
             facing = vertex_normals(start + slide, part.faces)
             points = surface.closest(start + slide, facing)
-            unlike = sought - points.interpolate(full, seen)
+            sights = [
+                Sight(wanted - points.interpolate(full, found), points.interpolate(full, slope))
+                for wanted, found, slope in zip(sought, seen, steep, strict=True)
+            ]
             slide = flow_field(
                 part,
                 part.vertex_areas * own.shared,
                 seen_area(question, own.shared, points, width),
                 np.zeros(part.vertex_count),
-                [Sight(unlike, points.interpolate(full, steep))],
+                sights,
                 points.interpolate(full, full.vertex_normals),
                 slide,
                 SMOOTH,

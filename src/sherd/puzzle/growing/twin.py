@@ -1,0 +1,81 @@
+"""A piece whose mirror image lies on what is joined already belongs beside that.
+
+Of a body with two sides each limb has a twin. Where one of them is joined, and the other one is to
+be, the mirror image of the second lies on the first as a whole, from its tip to what both share
+with the trunk. What is shared at the place where the limb belongs is a rim, and how the limb goes
+on beyond it nobody sees there; what another animal's limb shares with the same rim may be as
+alike. The twin tells, since it has all of the limb.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from sherd.correspondence.confidence import LEAST, MOST
+from sherd.puzzle.growing.answer import Meeting
+from sherd.puzzle.growing.join_chance import lies_within
+from sherd.results.advice import SURE
+
+__all__ = ["beside_their_twins"]
+
+# How many times as likely it is that a limb belongs there, if its mirror image surely lies on what
+# is there.
+TWIN_ODDS = 10.0
+# More of a place than this is not beside another one.
+COMMON = 0.5
+
+
+def beside_their_twins(
+    answers: Sequence[Meeting], asked_mirrored: Callable[[], Sequence[Meeting]]
+) -> Meeting:
+    """The likeliest of several answers of which none is sure, by what the mirror image says, too.
+
+    What lies beside the place of the mirror image, and could be sure by that, has TWIN_ODDS times
+    the odds of what is seen of its skin. That few of its places lead is no evidence then, as they
+    look like those of its twin; and nor is it that one of two places is more alike.
+
+    Parameters
+    ----------
+    answers
+        At least one.
+    asked_mirrored
+        Asks the same of the mirror image of the second surface.
+    """
+    best = max(answers, key=_chance)
+    likely = [
+        each
+        for each in answers
+        if _raised(each.by_skin) >= SURE and not lies_within(each.questions, each.placements)
+    ]
+    if best.chance >= SURE or not likely:
+        return best
+    twins = [
+        each
+        for each in asked_mirrored()
+        if each.by_skin >= SURE and lies_within(each.questions, each.placements)
+    ]
+    raised = [
+        replace(each, chance=_raised(each.by_skin), twin=False)
+        for each in likely
+        if any(_common(each, twin) < COMMON for twin in twins)
+    ]
+    return max([best, *raised], key=_chance)
+
+
+def _raised(chance: float) -> float:
+    odds = TWIN_ODDS * chance / (1.0 - chance)
+    return float(np.clip(odds / (1.0 + odds), LEAST, MOST))
+
+
+def _common(answer: Meeting, twin: Meeting) -> float:
+    """The share of an answer's place on the first surface where the mirror image lies, too."""
+    areas = answer.questions[0].full.mesh.vertex_areas
+    place = areas * answer.placements[1].shared
+    return float(place @ twin.placements[1].shared / max(place.sum(), 1e-12))
+
+
+def _chance(met: Meeting) -> float:
+    return met.chance
