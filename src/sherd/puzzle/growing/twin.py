@@ -22,7 +22,9 @@ from sherd.results.advice import SURE
 __all__ = ["beside_their_twins"]
 
 # How many times as likely it is that a limb belongs there, if its mirror image surely lies on what
-# is there.
+# is there. Five bodies that lack a limb were asked for its mirror image: their own surely lies on
+# the twin in five of five (0.95 and more), that of another species in none of eight (0.39 at most).
+# So nearly all that belong have that evidence, and of the others one in ten at most.
 TWIN_ODDS = 10.0
 # More of a place than this is not beside another one.
 COMMON = 0.5
