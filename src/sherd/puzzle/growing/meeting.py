@@ -33,11 +33,15 @@ from sherd.overlap import (
 )
 from sherd.puzzle.growing.answer import Meeting
 from sherd.puzzle.growing.join_chance import (
+    LIKELY,
+    SlidChance,
+    chance_as_it_lies,
     chance_where_it_slid,
     fits_a_twin,
     join_chance,
     join_features,
     may_be_right,
+    may_lie_right,
 )
 from sherd.puzzle.growing.sliding import slid
 from sherd.puzzle.growing.twin import beside_their_twins
@@ -142,30 +146,36 @@ def _answer(
     placements = placed_together(questions, labelings, queries, strain=OverlapOptions().strain)
     features = join_features(labelings, questions, placements, seed)
     met = Meeting(questions, queries, placements, join_chance(features), fits_a_twin(features))
-    return _slid(met) if may_be_right(features) else met
+    skin = SlidChance(0.0, 0.0)
+    if may_lie_right(features):
+        skin = chance_as_it_lies(questions, placements)
+    return _slid(met, skin) if may_be_right(features) or skin.by_skin >= LIKELY else met
 
 
-def _slid(met: Meeting) -> Meeting:
+def _slid(met: Meeting, skin: SlidChance) -> Meeting:
     """The same where reliefs are most alike; what is sure there is not laid on its twin.
 
-    As it was where the slide neither makes it likelier nor reliefs more alike, at a width finer
-    than those it slides by.
+    As it was where that is sure by its `skin`, and the other is not; and where the slide neither
+    makes it likelier nor reliefs more alike, at a width finer than those it slides by.
     """
     found = slid(met.questions, met.placements, strain=OverlapOptions().strain)
-    if not all(place.shared.any() for place in found):
-        return met
-    said = chance_where_it_slid(met.chance, met.questions, found)
-    there = replace(
-        met,
-        placements=found,
-        chance=said.chance,
-        twin=met.twin and said.chance < SURE,
-        by_skin=said.by_skin,
-    )
+    if all(place.shared.any() for place in found):
+        said = chance_where_it_slid(met.chance, met.questions, found)
+        there = _judged(replace(met, placements=found), said)
+    else:
+        said, there = SlidChance(met.chance, 0.0), met
+    if skin.chance >= SURE > said.chance:
+        return _judged(met, skin)
     if max(said.chance, said.by_skin) > met.chance:
         return there
-    before, after = (alike_in_relief(met.questions, each) for each in (met.placements, found))
-    return there if after > before else replace(met, chance=said.chance)
+    before, after = (alike_in_relief(met.questions, each.placements) for each in (met, there))
+    return there if after > before else replace(met, chance=said.chance, by_skin=skin.by_skin)
+
+
+def _judged(met: Meeting, said: SlidChance) -> Meeting:
+    """What lies where skin made it sure is not laid on its twin."""
+    twin = met.twin and said.chance < SURE
+    return replace(met, chance=said.chance, twin=twin, by_skin=said.by_skin)
 
 
 def _free(surface: DescribedSurface, mesh: TriangleMesh, taken: Bools) -> Bools:
