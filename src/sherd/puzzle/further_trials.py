@@ -64,7 +64,8 @@ def trials_again(
     gaps: a left leg on the right one's place, which is missing; and two in doubt that could change
     places, as front legs on hind legs, are tried so. What has no place even then is tried in each
     gap of about its size, and nowhere else: what looks like other places, or like cracks between
-    others, tears it no more. Nothing is asked twice, nor where there is no room for it.
+    others, tears it no more. Nothing is asked twice, nor where there is no room for it, and what is
+    labeled far worse than alone is not laid.
 
     Parameters
     ----------
