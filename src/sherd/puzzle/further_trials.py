@@ -23,7 +23,6 @@ from sherd.puzzle.trials import (
     Trial,
     chosen_together,
     clashes,
-    is_lost,
     trials_of,
 )
 from sherd.results.advice import SURE
@@ -64,8 +63,7 @@ def trials_again(
     gaps: a left leg on the right one's place, which is missing; and two in doubt that could change
     places, as front legs on hind legs, are tried so. What has no place even then is tried in each
     gap of about its size, and nowhere else: what looks like other places, or like cracks between
-    others, tears it no more. Nothing is asked twice, nor where there is no room for it, and what is
-    labeled far worse than alone is not laid.
+    others, tears it no more. Nothing is asked twice, nor where there is no room for it.
 
     Parameters
     ----------
@@ -220,10 +218,7 @@ def _elsewhere(template: Template, first: Trial, taken: Bools, stages: Stages) -
         return []
     old = first.placed
     free = _on_mesh(template, ~taken)
-    labeled = labeled_again(old, free, stages)
-    if is_lost(labeled.energy, old):
-        return []
-    placed = laid_part(labeled, stages)
+    placed = laid_part(labeled_again(old, free, stages), stages)
     # what fits much worse than where the piece lies alone is no place for it
     loss = min(placed.best.score - old.best.score, 0.0)
     less = float(np.exp(loss / SCORE_SCALE))
