@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import partial
 
 import numpy as np
@@ -11,7 +11,7 @@ import numpy as np
 from sherd.arrays import Bools, Ints
 from sherd.correspondence.hints import check_hints, pins_of, without_ignored, working_pins
 from sherd.correspondence.labels.anchors import chance_energy, find_anchors, first_labeling
-from sherd.correspondence.labels.labeling import SAME_SCALE, UNKNOWN_SCALE
+from sherd.correspondence.labels.labeling import SAME_SCALE, UNKNOWN_SCALE, Labeling
 from sherd.correspondence.placements import (
     anchor_problem,
     mirrored_placement,
@@ -47,7 +47,10 @@ from sherd.surface.prepared import described_part
 from sherd.surface.template import Template
 from sherd.threads import begun
 
-__all__ = ["VIEWED_MARGIN", "PlacedPart", "placed_part"]
+__all__ = [
+    "VIEWED_MARGIN", "LabeledPart", "PlacedPart", "labeled_again", "labeled_part", "laid_part",
+    "placed_part",
+]  # fmt: skip
 
 # In sqrt(area), of a part whose scale is unknown: whatever its file says, it is described as if it
 # covered a third of the full shape, so that its unit does not matter.
@@ -59,24 +62,17 @@ VIEWED_MARGIN = 0.05
 
 
 @dataclass(frozen=True, eq=False)
-class PlacedPart:
-    """The placements of one part, of which an answer is made.
+class AskedPart:
+    """What is asked of one part.
 
     Attributes
     ----------
     template, part, kept, options
-        What was asked: the full shape, the part and which of its vertices, and how.
-    pins, question, queries
+        The full shape, the part and which of its vertices, and how.
+    pins, question
         The same on the working meshes.
     estimate, scale
         What lengths of the part were multiplied by, and how that was found.
-    best, other
-        The better and the worse of two placements.
-    twin
-        Of the mirror image; None if not asked.
-    energies
-        Of the first and the last labeling, and what they would be if nothing belonged together; of
-        a part that was seen from one side those of what its viewer saw.
     """
 
     template: Template
@@ -85,13 +81,69 @@ class PlacedPart:
     options: MatchOptions
     pins: Pins
     question: Question
-    queries: Queries
     estimate: ScaleEstimate
     scale: float
+
+
+@dataclass(frozen=True, eq=False)
+class LabeledPart:
+    """A part that was labeled and is not laid on the full shape yet: a third of the work.
+
+    Attributes
+    ----------
+    asked
+        What was asked.
+    queries
+        Waits for what looks for similar places.
+    labeling, start_energy
+        The last labeling, and the energy of the first one.
+    chance_level
+        Waits for the energy of one where nothing belongs together.
+    twin
+        Waits for the placement of the mirror image; for None if it is not asked.
+    rng
+        What is drawn next.
+    """
+
+    asked: AskedPart
+    queries: Callable[[], Queries]
+    labeling: Labeling
+    start_energy: float
+    chance_level: Callable[[], float]
+    twin: Callable[[], WorkingPlacement | None]
+    rng: np.random.Generator
+
+    @property
+    def energy(self) -> float:
+        """Of the last labeling, per node."""
+        return self.labeling.energy
+
+
+@dataclass(frozen=True, eq=False)
+class PlacedPart(AskedPart):
+    """The placements of one part, of which an answer is made; and what was asked.
+
+    Attributes
+    ----------
+    queries
+        What looks for similar places.
+    best, other
+        The better and the worse of two placements.
+    twin
+        Of the mirror image; None if not asked.
+    energies
+        Of the first and the last labeling, and what they would be if nothing belonged together; of
+        a part that was seen from one side those of what its viewer saw.
+    labeling_energy
+        Of the last labeling, whatever a viewer saw.
+    """
+
+    queries: Queries
     best: WorkingPlacement
     other: WorkingPlacement
     twin: WorkingPlacement | None
     energies: tuple[float, float, float]
+    labeling_energy: float
 
     @property
     def chance(self) -> float:
@@ -106,13 +158,7 @@ class PlacedPart:
 
 
 def placed_part(
-    template: Template,
-    part: Intake,
-    options: MatchOptions,
-    stages: Stages,
-    *,
-    free: Bools | None = None,
-    twin: bool = True,
+    template: Template, part: Intake, options: MatchOptions, stages: Stages, *, twin: bool = True
 ) -> PlacedPart:
     """Place a part whose faces look outward: the first half of the method.
 
@@ -120,12 +166,16 @@ def placed_part(
     ----------
     template, part, options, stages
         As in :func:`match`.
-    free
-        (n,) bool, vertices of the template's working mesh where nodes of the part may be placed;
-        all if None.
     twin
         Whether the mirror image is placed as well.
     """
+    return laid_part(labeled_part(template, part, options, stages, twin=twin), stages)
+
+
+def labeled_part(
+    template: Template, part: Intake, options: MatchOptions, stages: Stages, *, twin: bool
+) -> LabeledPart:
+    """The part described, and labeled once; parameters as in :func:`placed_part`."""
     unknown = options.scale == "unknown"
     check_hints(template.intake, part, options)
     if unknown:
@@ -134,11 +184,11 @@ def placed_part(
         check_sizes(template.intake.mesh, part.mesh, factor=options.factor, options=True)
     kept, kept_vertices = without_ignored(part, options)
     pins = pins_of(template, part, kept_vertices, options)
-    rng, twin_rng = np.random.default_rng(options.seed).spawn(2)
+    rng, twin_rng = _generators(options)
     unit = kept.length / TRIAL_SIZE if unknown else template.length / options.factor
     surface = _both_described(template, partial(_described, kept, unit, pins), stages)
     comparison = UNKNOWN_SCALE if unknown else SAME_SCALE
-    question = Question(template, surface, comparison, working_pins(surface, pins), free)
+    question = Question(template, surface, comparison, working_pins(surface, pins))
     with stages("scale"):
         own = unit * options.factor / template.length
         estimate = _scale(question, rng, own) if unknown else SAME
@@ -148,44 +198,100 @@ def placed_part(
             surface = _described(kept, unit, pins)
             question = question.with_part(surface)
         waiting = begun(partial(described_queries, question, query_vertices(question, rng)))
+    mirror: Callable[[], WorkingPlacement | None] = _no_twin
     if twin:
-        twin_placement = begun(lambda: mirrored_placement(question, waiting(), twin_rng))
-    with stages("anchors"):
-        problem = anchor_problem(question, rng)
-        start = first_labeling(problem)
-        labeling = find_anchors(problem, start=start)
-        # a generator of its own: what follows stays what it would be without this
-        chance_level = begun(partial(chance_energy, problem, np.random.default_rng(options.seed)))
-        del problem  # large, and of use to that work only
-    with stages("first placement"):
-        queries = waiting()
-        laid, look = seen_by_labeling(question, labeling, queries)
-        first = begun(partial(placement_from_look, question, laid, look))
-    with stages("second placement"):
-        second = second_placement(question, look, queries, rng)
-        best, other = sorted((first(), second), key=lambda found: -found.score)
-        energies = (start.energy, labeling.energy, chance_level())
-        if surface.viewer is not None:
-            viewed = viewed_placement(question, surface.viewer, best, queries, rng)
-            if viewed.placement.score > best.score - VIEWED_MARGIN:
-                best, other, energies = viewed.placement, best, viewed.energies
-    with stages("mirrored twin"):
-        mirror = twin_placement() if twin else None
-    return PlacedPart(
+        mirror = begun(lambda: mirrored_placement(question, waiting(), twin_rng))
+    asked = AskedPart(
         template=template,
         part=part,
         kept=kept_vertices,
         options=options,
         pins=pins,
         question=question,
-        queries=queries,
         estimate=estimate,
         scale=scale,
+    )
+    return _labeled(asked, waiting, mirror, rng, stages)
+
+
+def labeled_again(placed: PlacedPart, free: Bools, stages: Stages) -> LabeledPart:
+    """A placed part labeled once more, without its mirror image, where its nodes may lie.
+
+    What was computed of the part is kept, and what is drawn is drawn again.
+
+    Parameters
+    ----------
+    placed
+        Of a part whose scale is known.
+    free
+        (n,) bool, vertices of the template's working mesh where nodes may be placed.
+    stages
+        As in :func:`match`.
+    """
+    shared = {each.name: getattr(placed, each.name) for each in fields(AskedPart)}
+    asked = replace(AskedPart(**shared), question=replace(placed.question, free=free))
+    rng, _ = _generators(placed.options)
+    query_vertices(asked.question, rng)
+    return _labeled(asked, lambda: placed.queries, _no_twin, rng, stages)
+
+
+def laid_part(labeled: LabeledPart, stages: Stages) -> PlacedPart:
+    """A labeled part laid on the full shape, and again by another labeling of what it sees there.
+
+    Once only: it goes on with the random numbers of the labeling.
+    """
+    asked, question, rng = labeled.asked, labeled.asked.question, labeled.rng
+    with stages("first placement"):
+        queries = labeled.queries()
+        laid, look = seen_by_labeling(question, labeled.labeling, queries)
+        first = begun(partial(placement_from_look, question, laid, look))
+    with stages("second placement"):
+        second = second_placement(question, look, queries, rng)
+        best, other = sorted((first(), second), key=lambda found: -found.score)
+        energies = (labeled.start_energy, labeled.energy, labeled.chance_level())
+        viewer = question.part.viewer
+        if viewer is not None:
+            viewed = viewed_placement(question, viewer, best, queries, rng)
+            if viewed.placement.score > best.score - VIEWED_MARGIN:
+                best, other, energies = viewed.placement, best, viewed.energies
+    with stages("mirrored twin"):
+        twin = labeled.twin()
+    return PlacedPart(
+        **{each.name: getattr(asked, each.name) for each in fields(asked)},
+        queries=queries,
         best=best,
         other=other,
-        twin=mirror,
+        twin=twin,
         energies=energies,
+        labeling_energy=labeled.energy,
     )
+
+
+def _generators(options: MatchOptions) -> list[np.random.Generator]:
+    """For the part and for its mirror image."""
+    return np.random.default_rng(options.seed).spawn(2)
+
+
+def _no_twin() -> None:
+    """In place of what waits for the mirror image, where nobody asks for it."""
+
+
+def _labeled(
+    asked: AskedPart,
+    queries: Callable[[], Queries],
+    twin: Callable[[], WorkingPlacement | None],
+    rng: np.random.Generator,
+    stages: Stages,
+) -> LabeledPart:
+    with stages("anchors"):
+        problem = anchor_problem(asked.question, rng)
+        start = first_labeling(problem)
+        labeling = find_anchors(problem, start=start)
+        # a generator of its own: what follows stays what it would be without this
+        own_rng = np.random.default_rng(asked.options.seed)
+        chance_level = begun(partial(chance_energy, problem, own_rng))
+        # the problem is large, and from here on of use to that work only
+    return LabeledPart(asked, queries, labeling, start.energy, chance_level, twin, rng)
 
 
 def _both_described(

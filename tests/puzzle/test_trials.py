@@ -2,10 +2,19 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import pytest
 
+from sherd.assemble import assemble
+from sherd.mesh.triangle_mesh import TriangleMesh
+from sherd.output import Stages
+from sherd.puzzle import trials
 from sherd.puzzle.joint_choice import Candidate
 from sherd.puzzle.trials import Trial, chosen_together
+from sherd.results.match_options import MatchOptions
+from sherd.scan.intake import scan_intake
+from sherd.shapes import creature, cut_by_ball, whole
 
 from .test_joint_choice import MESH, candidate
 
@@ -15,9 +24,9 @@ def trial(piece: int, lies: Candidate) -> Trial:
     return Trial(piece, None, None, lies)
 
 
-def chances(*trials: Trial) -> dict[int, float]:
-    count = 1 + max(each.piece for each in trials)
-    chosen, _ = chosen_together(trials, count, MESH.vertex_areas)
+def chances(*some: Trial) -> dict[int, float]:
+    count = 1 + max(each.piece for each in some)
+    chosen, _ = chosen_together(some, count, MESH.vertex_areas)
     return {piece: each.chance for piece, each in chosen.items()}
 
 
@@ -35,3 +44,34 @@ def test_a_place_that_another_piece_has_and_the_same_place_again_raise_no_doubt(
     assert chances(trial(0, left), trial(0, right), trial(1, sure))[0] == pytest.approx(0.7)
     again = candidate(0.0, 0.26, 0.6)
     assert chances(trial(0, left), trial(0, again))[0] == pytest.approx(0.7)
+
+
+@pytest.mark.parametrize(("energy", "asked"), [(1.2, ["one", "other"]), (1.4, ["one"])])
+def test_a_piece_in_doubt_is_laid_turned_over_if_its_labels_may_be_as_good(
+    monkeypatch, energy, asked
+) -> None:
+    laid = []
+
+    def lay(side: str) -> SimpleNamespace:
+        laid.append(side)
+        best = SimpleNamespace(score=len(laid))  # the second is better
+        return SimpleNamespace(best=best, chance=0.3, labeling_energy=1.0)
+
+    monkeypatch.setattr(trials, "placed_part", lambda *_, **__: lay("one"))
+    monkeypatch.setattr(trials, "labeled_part", lambda *_, **__: SimpleNamespace(energy=energy))
+    monkeypatch.setattr(trials, "laid_part", lambda *_: lay("other"))
+    monkeypatch.setattr(trials, "trials_of", lambda *found: [found[1]])
+    intake = scan_intake(cut_by_ball(whole(creature(5000), creature(5000)), 0, 0.4).mesh)
+    found, _ = trials.trials_alone(None, [intake], MatchOptions(), Stages(visible=False), None)
+    assert laid == asked
+    assert [each.best.score for each in found] == [len(asked)]
+
+
+def test_a_piece_that_is_inside_out_is_placed() -> None:
+    full = creature(5000)
+    part = cut_by_ball(whole(creature(5000, pose="walk"), full), 0, 0.4).mesh
+    inside_out = TriangleMesh(part.vertices, part.faces[:, ::-1])
+    right, turned = (assemble(full, [mesh]).pieces[0] for mesh in (part, inside_out))
+    assert right.placed
+    assert turned.placed
+    assert turned.match.best.score == pytest.approx(right.match.best.score, abs=0.02)

@@ -12,7 +12,7 @@ from scipy.sparse import csgraph
 from sherd.arrays import Bools, Floats, Ints
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.output import Stages
-from sherd.place import placed_part
+from sherd.place import labeled_again, laid_part
 from sherd.puzzle.border import REACH
 from sherd.puzzle.joint_choice import LEAST_CHANCE
 from sherd.puzzle.partition import Partition
@@ -218,7 +218,7 @@ def _elsewhere(template: Template, first: Trial, taken: Bools, stages: Stages) -
         return []
     old = first.placed
     free = _on_mesh(template, ~taken)
-    placed = placed_part(template, old.part, old.options, stages, free=free, twin=False)
+    placed = laid_part(labeled_again(old, free, stages), stages)
     # what fits much worse than where the piece lies alone is no place for it
     loss = min(placed.best.score - old.best.score, 0.0)
     less = float(np.exp(loss / SCORE_SCALE))

@@ -26,6 +26,7 @@ def better_side(
     *,
     score: Callable[[Answer], float],
     sure: Callable[[Intake, Answer], bool],
+    rival: Callable[[Intake, Answer], Answer | None] | None = None,
 ) -> Answer:
     """The answer for the part as it is, or turned over, whichever has the higher score.
 
@@ -45,6 +46,9 @@ def better_side(
         Higher is better.
     sure
         Whether the answer for this part, as asked about, need not be tried on the other side.
+    rival
+        Asks the question for the other side, knowing the answer for the first one; None if it
+        cannot be better. As `answer` does if None.
     """
     if side == "given":
         return answer(part)
@@ -54,5 +58,6 @@ def better_side(
     found = answer(first)
     if sure(first, found):
         return found
-    other = answer(first.turned_over())
-    return other if score(other) > score(found) else found
+    turned = first.turned_over()
+    other = answer(turned) if rival is None else rival(turned, found)
+    return found if other is None or score(other) <= score(found) else other
