@@ -64,3 +64,28 @@ def test_what_may_be_right_its_place_slides_and_is_judged_there(monkeypatch) -> 
         found = meeting(front.mesh, back.mesh, 0)
         assert found.chance == chance
         assert any(found.placements is each for each in (home if moves else laid))
+
+
+def test_what_is_sure_by_its_skin_stays_where_a_slide_would_leave_it(monkeypatch) -> None:
+    """A slide looks for what is alike and may find it beside the right place."""
+    full = creature(5000)
+    front = cut_by_ball(whole(full, full), landmarks(full)["nose"], 0.85)
+    back = cut_by_ball(whole(full, full), landmarks(full)["tail_tip"], 0.85)
+    laid = []
+
+    def slid(_: object, found: Any, **__: float) -> Any:
+        laid.append(found)
+        return replace(found[0]), replace(found[1])
+
+    monkeypatch.setattr(module, "labelings_by_form", lambda *_: [])
+    monkeypatch.setattr(module, "may_be_right", lambda *_: False)
+    monkeypatch.setattr(module, "may_lie_right", lambda *_: True)
+    monkeypatch.setattr(module, "slid", slid)
+    monkeypatch.setattr(module, "join_chance", lambda _: 0.1)
+    monkeypatch.setattr(module, "chance_as_it_lies", lambda *_: SlidChance(0.95, 0.95))
+    monkeypatch.setattr(module, "chance_where_it_slid", lambda *_: SlidChance(0.3, 0.3))
+    found = meeting(front.mesh, back.mesh, 0)
+    assert found.chance == 0.95
+    assert any(found.placements is each for each in laid)
+    monkeypatch.setattr(module, "chance_where_it_slid", lambda *_: SlidChance(0.9, 0.9))
+    assert not any(meeting(front.mesh, back.mesh, 0).placements is each for each in laid)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -16,7 +18,12 @@ from sherd.correspondence.shared.two_way_placement import SharedPlacement
 from sherd.mesh.surface_points import closest_points
 from sherd.overlap import questions_of
 from sherd.puzzle.growing import join_chance
-from sherd.puzzle.growing.join_chance import UNLIKE, chance_where_it_slid, may_be_right
+from sherd.puzzle.growing.join_chance import (
+    UNLIKE,
+    chance_as_it_lies,
+    chance_where_it_slid,
+    may_be_right,
+)
 from sherd.puzzle.growing.sliding import slid
 from sherd.results.advice import SURE
 from sherd.results.overlap_options import OverlapOptions
@@ -148,6 +155,24 @@ def test_what_bulges_elsewhere_is_refused_though_all_else_is_right(questions, mo
     monkeypatch.setattr(join_chance, "alike_in_form", lambda *_: 0.0)
     assert chance_where_it_slid(0.9, questions, home).chance < SURE
     assert chance_where_it_slid(0.0, questions, home).chance < SURE
+
+
+def test_what_is_no_more_alike_than_mirrored_is_not_sure(questions, monkeypatch) -> None:
+    """A foreleg on a hind leg, which is as thick, bulges as it does and is hardly strained."""
+    home = half_shared(laid(questions, (true_places(questions[0]), true_places(questions[1]))))
+    assert chance_as_it_lies(questions, home).chance > SURE
+    found = join_chance.likeness_of_both(questions, home)
+    assert found is not None
+    monkeypatch.setattr(join_chance, "likeness_of_both", lambda *_: replace(found, handed=0.6))
+    assert chance_as_it_lies(questions, home).chance < 0.1
+    assert chance_where_it_slid(0.0, questions, home).chance < 0.1
+
+
+def test_what_lies_within_the_other_is_not_sure_by_its_skin(questions) -> None:
+    home = laid(questions, (true_places(questions[0]), true_places(questions[1])))
+    said = chance_as_it_lies(questions, home)
+    assert said.chance < 0.1
+    assert said.by_skin > SURE
 
 
 def test_what_was_likely_is_refused_where_it_slides_to_nothing_alike(questions) -> None:
