@@ -175,7 +175,7 @@ def chance_where_it_slid(
     skin = _skin(questions, placements)
     if skin is None:
         return SlidChance(before, 0.0)
-    before = max(min(before, skin.seen), LEAST)
+    before = max(min(before, skin.sided), LEAST)
     if lies_within(questions, placements):
         return SlidChance(before, skin.by_skin)
     before *= _above(skin.alike, -SPARED, UNLIKE_STEP)
@@ -202,10 +202,14 @@ class _Skin:
     leading: float
 
     @property
+    def sided(self) -> float:
+        """The chance by all but reliefs, and only if most places are more alike than mirrored."""
+        return self.seen * _above(self.handed, SIDED, SIDED_STEP)
+
+    @property
     def by_skin(self) -> float:
-        """The chance with reliefs, and only if most places are more alike than mirrored."""
-        sided = _above(self.handed, SIDED, SIDED_STEP)
-        return self.seen * sided * _above(self.alike, 0.0, UNLIKE_STEP)
+        """The same with reliefs."""
+        return self.sided * _above(self.alike, 0.0, UNLIKE_STEP)
 
     @property
     def led(self) -> float:
