@@ -108,7 +108,7 @@ def test_what_was_sure_before_is_recalled_where_a_twin_draws_it_away() -> None:
 
 
 @pytest.mark.parametrize(
-    ("there", "again", "joined"), [(0.9, 0.6, True), (0.0, 0.6, False), (0.9, 0.4, False)]
+    ("there", "again", "joined"), [(0.9, 0.7, True), (0.0, 0.7, False), (0.9, 0.4, False)]
 )
 def test_what_is_likely_where_it_surely_lay_is_joined(there, again, joined, monkeypatch) -> None:
     """`there` is the share of its place that it had before, `again` its chance there."""

@@ -9,7 +9,14 @@ from sherd.correspondence.question import Question
 from sherd.correspondence.shared.two_way_placement import SharedPlacement
 from sherd.correspondence.working_placement import Queries
 
-__all__ = ["Meeting"]
+__all__ = ["JOINED", "Meeting"]
+
+# What is so likely is joined. More than is called good of a piece on its whole: what is joined is
+# asked again as one, and a wrong piece draws others after it (a cat's leg on a horse that lacks it,
+# and then the horse's own). That leg has 0.76, and so has an arm within another person's; of what
+# is right 0.79 is the least that no larger union had to make surer (a half of the generated animal
+# within the other one); of all right answers to nine puzzles above 0.65 two are below.
+JOINED = 0.78
 
 
 @dataclass(frozen=True, eq=False)

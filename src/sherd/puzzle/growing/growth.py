@@ -14,11 +14,10 @@ from dataclasses import dataclass, field, replace
 from functools import cache
 
 from sherd.arrays import Bools, Floats, Ints
-from sherd.puzzle.growing.answer import Meeting
+from sherd.puzzle.growing.answer import JOINED, Meeting
 from sherd.puzzle.growing.joined_maps import open_loop
 from sherd.puzzle.growing.meeting import NOTHING_KNOWN
 from sherd.puzzle.growing.union import Join, Union, crowding, recalled, taken_by, united
-from sherd.results.advice import SURE
 
 __all__ = ["Growth", "grown"]
 
@@ -133,7 +132,7 @@ def _surest(
             continue  # asked as they are, and not joined
         join = growth.aside.pop(key, None) or _asked(first, second, meet, growth)
         growth.chances[key] = join.met.chance
-        if join.met.chance >= SURE:
+        if join.met.chance >= JOINED:
             growth.sure.append(join)
             sure.append(join)
             # who is asked later may dispute what was in nobody's place before
@@ -156,7 +155,7 @@ def _rivals(join: Join, others: Sequence[Union], growth: Growth) -> list[Join]:
     return [
         before
         for other in others
-        if other.members != join.second.members and _promise(join.first, other, growth) >= SURE
+        if other.members != join.second.members and _promise(join.first, other, growth) >= JOINED
         for before in _sure_before(join.first, other, growth)
         if _odds(join) < DECIDED * _odds(before)
         and crowding(join, before) > CROWD
@@ -220,7 +219,7 @@ def _elsewhere(
                 growth.settled.append((join, rival.second.members))
                 growth.chances[join.first.members, rival.second.members] = its.met.chance
                 growth.sure.remove(rival)
-                growth.sure += [its] if its.met.chance >= SURE else []
+                growth.sure += [its] if its.met.chance >= JOINED else []
     return max(found, key=_chance, default=None)
 
 
@@ -262,13 +261,13 @@ def _asked(first: Union, second: Union, meet: Meet, growth: Growth) -> Join:
         place = taken_by(join, first)
         place = place if taken is None else taken | place
         elsewhere = Join(first, second, meet(first, second, NOTHING_KNOWN, place))
-        if elsewhere.met.chance >= SURE:
+        if elsewhere.met.chance >= JOINED:
             growth.settled.append((join, second.members))
             growth.sure = [each for each in growth.sure if not _repeated(each, join)]
             taken = place
         join = max(join, elsewhere, key=_chance)
     before = next(iter(_sure_before(first, second, growth)), None)
-    if before is None or join.met.chance >= SURE:
+    if before is None or join.met.chance >= JOINED:
         return join
     known = recalled(before, first, second)
     if len(known):
@@ -283,7 +282,7 @@ def _confirmed(join: Join, before: Join) -> Join:
     A union has all that the earlier piece of it had there, so both see much of the same; what two
     strangers said apart would count as the sum of their log odds, and not as the mean.
     """
-    if not LIKELY <= join.met.chance < SURE or not _repeated(before, join):
+    if not LIKELY <= join.met.chance < JOINED or not _repeated(before, join):
         return join
     odds = math.sqrt(_odds(before) * _odds(join))
     return replace(join, met=replace(join.met, chance=odds / (1.0 + odds)))

@@ -31,7 +31,7 @@ from sherd.overlap import (
     queries_both_ways,
     questions_of,
 )
-from sherd.puzzle.growing.answer import Meeting
+from sherd.puzzle.growing.answer import JOINED, Meeting
 from sherd.puzzle.growing.join_chance import (
     LIKELY,
     SlidChance,
@@ -45,7 +45,6 @@ from sherd.puzzle.growing.join_chance import (
 )
 from sherd.puzzle.growing.sliding import slid
 from sherd.puzzle.growing.twin import beside_their_twins
-from sherd.results.advice import SURE
 from sherd.results.overlap_options import OverlapOptions
 from sherd.surface.described import DescribedSurface
 from sherd.surface.prepared import described_part
@@ -128,7 +127,7 @@ def _answers(
     answer = partial(_answer, questions, queries, seed)
     led = followed(problems, labelings)
     met = answer(led)
-    if met.chance >= SURE:
+    if met.chance >= JOINED:
         return [met]
     forms = (form(questions[0].part.mesh), form(questions[1].part.mesh))
     begun = labelings_by_form(problems, forms, labelings)
@@ -164,7 +163,7 @@ def _slid(met: Meeting, skin: SlidChance) -> Meeting:
         there = _judged(replace(met, placements=found), said)
     else:
         said, there = SlidChance(met.chance, 0.0), met
-    if skin.chance >= SURE > said.chance:
+    if skin.chance >= JOINED > said.chance:
         return _judged(met, skin)
     if max(said.chance, said.by_skin) > met.chance:
         return there
@@ -174,7 +173,7 @@ def _slid(met: Meeting, skin: SlidChance) -> Meeting:
 
 def _judged(met: Meeting, said: SlidChance) -> Meeting:
     """What lies where skin made it sure is not laid on its twin."""
-    twin = met.twin and said.chance < SURE
+    twin = met.twin and said.chance < JOINED
     return replace(met, chance=said.chance, twin=twin, by_skin=said.by_skin)
 
 

@@ -15,9 +15,8 @@ from dataclasses import replace
 import numpy as np
 
 from sherd.correspondence.confidence import LEAST, MOST
-from sherd.puzzle.growing.answer import Meeting
+from sherd.puzzle.growing.answer import JOINED, Meeting
 from sherd.puzzle.growing.join_chance import lies_within
-from sherd.results.advice import SURE
 
 __all__ = ["beside_their_twins"]
 
@@ -50,14 +49,14 @@ def beside_their_twins(
     likely = [
         each
         for each in answers
-        if _raised(each.by_skin) >= SURE and not lies_within(each.questions, each.placements)
+        if _raised(each.by_skin) >= JOINED and not lies_within(each.questions, each.placements)
     ]
-    if best.chance >= SURE or not likely:
+    if best.chance >= JOINED or not likely:
         return best
     twins = [
         each
         for each in asked_mirrored()
-        if each.by_skin >= SURE and lies_within(each.questions, each.placements)
+        if each.by_skin >= JOINED and lies_within(each.questions, each.placements)
     ]
     raised = [
         replace(each, chance=_raised(each.by_skin), twin=False)
