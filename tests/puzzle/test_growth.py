@@ -165,7 +165,7 @@ def test_two_that_overlap_in_one_place_are_both_joined_where_the_loop_closes(mon
 
     def meet(first: Union, second: Union, known: Ints, taken: Bools | None) -> Any:
         taken_before.append(taken is not None)
-        return answer({1: 0.8, 2: 0.75}[second.members[0]])
+        return answer({1: 0.85, 2: 0.8}[second.members[0]])
 
     found = grown(pieces(3), np.ones((3, 3)), meet)
     assert sorted(map(sorted, found.groups)) == [[0, 1, 2]]
@@ -180,7 +180,7 @@ def test_what_is_laid_on_its_twin_is_asked_elsewhere_each_time() -> None:
         if second.members == (1,):
             return answer(0.95)
         # on its twin, elsewhere in doubt, and sure once the other piece is there
-        return answer(0.7 if len(first.members) == 2 else 0.5) if taken is not None else mirror
+        return answer(0.8 if len(first.members) == 2 else 0.5) if taken is not None else mirror
 
     mirror = answer(0.15, twin=True)
     found = grown(pieces(3), np.ones((3, 3)), meet)
