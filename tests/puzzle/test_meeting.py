@@ -88,4 +88,5 @@ def test_what_is_sure_by_its_skin_stays_where_a_slide_would_leave_it(monkeypatch
     assert found.chance == 0.95
     assert any(found.placements is each for each in laid)
     monkeypatch.setattr(module, "chance_where_it_slid", lambda *_: SlidChance(0.9, 0.9))
-    assert not any(meeting(front.mesh, back.mesh, 0).placements is each for each in laid)
+    moved = meeting(front.mesh, back.mesh, 0)
+    assert not any(moved.placements is each for each in laid)
