@@ -257,7 +257,7 @@ def laid_part(labeled: LabeledPart, stages: Stages) -> PlacedPart:
     with stages("mirrored twin"):
         twin = labeled.twin()
     return PlacedPart(
-        **{each.name: getattr(asked, each.name) for each in fields(asked)},
+        **vars(asked),
         queries=queries,
         best=best,
         other=other,

@@ -27,21 +27,25 @@ def bumpy_tube() -> TriangleMesh:
     return TriangleMesh(points, np.concatenate(faces), name="tube")
 
 
+def front_and_back() -> tuple[TriangleMesh, TriangleMesh]:
+    full = creature(5000)
+    ends = (landmarks(full)[name] for name in ("nose", "tail_tip"))
+    front, back = (cut_by_ball(whole(full, full), end, 0.85).mesh for end in ends)
+    return front, back
+
+
 def test_what_lies_nowhere_else_is_answered_as_it_is(monkeypatch) -> None:
     """All further places may turn out to be the one that is known."""
     monkeypatch.setattr(module, "labelings_by_form", lambda *_: [])
-    full = creature(5000)
-    front = cut_by_ball(whole(full, full), landmarks(full)["nose"], 0.85)
+    front, _ = front_and_back()
     tube = bumpy_tube()
-    tube = tube.with_vertices(tube.vertices * np.sqrt(front.mesh.area / tube.area))
-    assert meeting(front.mesh, tube, 0).chance < SURE
+    tube = tube.with_vertices(tube.vertices * np.sqrt(front.area / tube.area))
+    assert meeting(front, tube, 0).chance < SURE
 
 
 def test_what_may_be_right_its_place_slides_and_is_judged_there(monkeypatch) -> None:
     """It lies where it slid to if that is likelier, or if reliefs are more alike there."""
-    full = creature(5000)
-    front = cut_by_ball(whole(full, full), landmarks(full)["nose"], 0.85)
-    back = cut_by_ball(whole(full, full), landmarks(full)["tail_tip"], 0.85)
+    front, back = front_and_back()
     laid, home = [], []
 
     def slid(_: object, found: Any, **__: float) -> Any:
@@ -61,16 +65,14 @@ def test_what_may_be_right_its_place_slides_and_is_judged_there(monkeypatch) -> 
             "alike_in_relief",
             lambda _, found, alike=alike: alike * any(found is each for each in home),
         )
-        found = meeting(front.mesh, back.mesh, 0)
+        found = meeting(front, back, 0)
         assert found.chance == chance
         assert any(found.placements is each for each in (home if moves else laid))
 
 
 def test_what_is_sure_by_its_skin_stays_where_a_slide_would_leave_it(monkeypatch) -> None:
     """A slide looks for what is alike and may find it beside the right place."""
-    full = creature(5000)
-    front = cut_by_ball(whole(full, full), landmarks(full)["nose"], 0.85)
-    back = cut_by_ball(whole(full, full), landmarks(full)["tail_tip"], 0.85)
+    front, back = front_and_back()
     laid = []
 
     def slid(_: object, found: Any, **__: float) -> Any:
@@ -84,9 +86,9 @@ def test_what_is_sure_by_its_skin_stays_where_a_slide_would_leave_it(monkeypatch
     monkeypatch.setattr(module, "join_chance", lambda _: 0.1)
     monkeypatch.setattr(module, "chance_as_it_lies", lambda *_: SlidChance(0.95, 0.95))
     monkeypatch.setattr(module, "chance_where_it_slid", lambda *_: SlidChance(0.3, 0.3))
-    found = meeting(front.mesh, back.mesh, 0)
+    found = meeting(front, back, 0)
     assert found.chance == 0.95
     assert any(found.placements is each for each in laid)
     monkeypatch.setattr(module, "chance_where_it_slid", lambda *_: SlidChance(0.9, 0.9))
-    moved = meeting(front.mesh, back.mesh, 0)
+    moved = meeting(front, back, 0)
     assert not any(moved.placements is each for each in laid)

@@ -155,9 +155,10 @@ def chance_as_it_lies(questions: Both[Question], placements: Both[SharedPlacemen
     is sure as it is. Of what lies within the other the skin alone makes nothing likelier.
     """
     skin = _skin(questions, placements)
-    if skin is None or lies_within(questions, placements):
-        return SlidChance(LEAST, 0.0 if skin is None else skin.by_skin)
-    return SlidChance(float(np.clip(skin.led, LEAST, MOST)), skin.by_skin)
+    if skin is None:
+        return SlidChance(LEAST, 0.0)
+    led = 0.0 if lies_within(questions, placements) else skin.led
+    return SlidChance(float(np.clip(led, LEAST, MOST)), skin.by_skin)
 
 
 def chance_where_it_slid(

@@ -158,16 +158,16 @@ def _slid(met: Meeting, skin: SlidChance) -> Meeting:
     makes it likelier nor reliefs more alike, at a width finer than those it slides by.
     """
     found = slid(met.questions, met.placements, strain=OverlapOptions().strain)
-    if all(place.shared.any() for place in found):
-        said = chance_where_it_slid(met.chance, met.questions, found)
-        there = _judged(replace(met, placements=found), said)
-    else:
-        said, there = SlidChance(met.chance, 0.0), met
+    if not all(place.shared.any() for place in found):
+        sure = skin.chance >= JOINED > met.chance
+        return _judged(met, skin) if sure else replace(met, by_skin=skin.by_skin)
+    said = chance_where_it_slid(met.chance, met.questions, found)
     if skin.chance >= JOINED > said.chance:
         return _judged(met, skin)
+    there = _judged(replace(met, placements=found), said)
     if max(said.chance, said.by_skin) > met.chance:
         return there
-    before, after = (alike_in_relief(met.questions, each.placements) for each in (met, there))
+    before, after = (alike_in_relief(met.questions, each) for each in (met.placements, found))
     return there if after > before else replace(met, chance=said.chance, by_skin=skin.by_skin)
 
 
