@@ -18,6 +18,7 @@ from sherd.correspondence.shared.two_way_placement import SharedPlacement
 from sherd.mesh.surface_points import closest_points
 from sherd.overlap import questions_of
 from sherd.puzzle.growing import join_chance
+from sherd.puzzle.growing.answer import JOINED
 from sherd.puzzle.growing.join_chance import (
     UNLIKE,
     chance_as_it_lies,
@@ -166,6 +167,22 @@ def test_what_is_no_more_alike_than_mirrored_is_not_sure(questions, monkeypatch)
     monkeypatch.setattr(join_chance, "likeness_of_both", lambda *_: replace(found, handed=0.6))
     assert chance_as_it_lies(questions, home).chance < 0.1
     assert chance_where_it_slid(0.0, questions, home).chance < 0.1
+
+
+@pytest.mark.parametrize(("form", "sure"), [(1.0, True), (0.4, False)])
+def test_few_places_need_not_lead_where_the_skin_is_surer_than_of_another_one(
+    questions, monkeypatch, form: float, sure: bool
+) -> None:
+    """Of a leg as much looks like the other leg as of another person like oneself."""
+    home = half_shared(laid(questions, (true_places(questions[0]), true_places(questions[1]))))
+    found = join_chance.likeness_of_both(questions, home)
+    assert found is not None
+    few = replace(found, handed=0.85, leading=0.75)
+    monkeypatch.setattr(join_chance, "likeness_of_both", lambda *_: few)
+    monkeypatch.setattr(join_chance, "alike_in_form", lambda *_: form)
+    said = chance_as_it_lies(questions, home)
+    assert (said.chance >= JOINED) is sure
+    assert said.by_skin > SURE
 
 
 def test_what_lies_within_the_other_is_not_sure_by_its_skin(questions) -> None:
