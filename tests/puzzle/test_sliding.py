@@ -12,6 +12,7 @@ from sherd.correspondence.elastic_kernel import fit_rotations
 from sherd.correspondence.labels.two_way import Both
 from sherd.correspondence.question import Question
 from sherd.correspondence.registration import Deformation
+from sherd.correspondence.shared.judgment import likeness_of_both
 from sherd.correspondence.shared.relief import alike_in_relief
 from sherd.correspondence.shared.round_trip import round_trip
 from sherd.correspondence.shared.two_way_placement import SharedPlacement
@@ -21,6 +22,7 @@ from sherd.puzzle.growing import join_chance
 from sherd.puzzle.growing.answer import JOINED
 from sherd.puzzle.growing.join_chance import (
     UNLIKE,
+    SlidChance,
     chance_as_it_lies,
     chance_where_it_slid,
     may_be_right,
@@ -118,6 +120,13 @@ def test_where_nothing_is_shared_nothing_moves(questions) -> None:
     assert moved(questions, apart) is apart
 
 
+def slid_chance(
+    before: float, questions: Both[Question], placements: Both[SharedPlacement]
+) -> SlidChance:
+    likeness = likeness_of_both(questions, placements)
+    return chance_where_it_slid(before, questions, placements, likeness)
+
+
 def half_shared(placements: Both[SharedPlacement]) -> Both[SharedPlacement]:
     """Neither shape lies within the other."""
     for place in placements:
@@ -138,35 +147,35 @@ def test_what_slid_home_is_sure_and_what_slid_elsewhere_is_not(questions) -> Non
     forward = np.eye(3)[np.ptp(truths[0], axis=0).argmax()]
     beside = laid(questions, (truths[0] + BESIDE * forward, truths[1] - BESIDE * forward))
     home = half_shared(moved(questions, beside))
-    assert chance_where_it_slid(0.0, questions, home).chance > SURE
+    assert slid_chance(0.0, questions, home).chance > SURE
     elsewhere = half_shared(moved(questions, turned_over(questions)))
-    assert chance_where_it_slid(0.0, questions, elsewhere).chance < 0.1
+    assert slid_chance(0.0, questions, elsewhere).chance < 0.1
 
 
 def test_what_was_sure_is_refused_where_its_slide_says_it_is_something_else(questions) -> None:
     elsewhere = half_shared(moved(questions, turned_over(questions)))
-    assert chance_where_it_slid(0.9, questions, elsewhere).chance < 0.5
+    assert slid_chance(0.9, questions, elsewhere).chance < 0.5
     home = half_shared(laid(questions, (true_places(questions[0]), true_places(questions[1]))))
-    assert chance_where_it_slid(0.9, questions, home).chance >= 0.9
+    assert slid_chance(0.9, questions, home).chance >= 0.9
 
 
 def test_what_bulges_elsewhere_is_refused_though_all_else_is_right(questions, monkeypatch) -> None:
     """A leg of a cat fits a horse that lacks one, bumps and all."""
     home = half_shared(laid(questions, (true_places(questions[0]), true_places(questions[1]))))
     monkeypatch.setattr(join_chance, "alike_in_form", lambda *_: 0.0)
-    assert chance_where_it_slid(0.9, questions, home).chance < SURE
-    assert chance_where_it_slid(0.0, questions, home).chance < SURE
+    assert slid_chance(0.9, questions, home).chance < SURE
+    assert slid_chance(0.0, questions, home).chance < SURE
 
 
-def test_what_is_no_more_alike_than_mirrored_is_not_sure(questions, monkeypatch) -> None:
+def test_what_is_no_more_alike_than_mirrored_is_not_sure(questions) -> None:
     """A foreleg on a hind leg, which is as thick, bulges as it does and is hardly strained."""
     home = half_shared(laid(questions, (true_places(questions[0]), true_places(questions[1]))))
-    assert chance_as_it_lies(questions, home).chance > SURE
-    found = join_chance.likeness_of_both(questions, home)
+    found = likeness_of_both(questions, home)
     assert found is not None
-    monkeypatch.setattr(join_chance, "likeness_of_both", lambda *_: replace(found, handed=0.6))
-    assert chance_as_it_lies(questions, home).chance < 0.1
-    assert chance_where_it_slid(0.0, questions, home).chance < 0.1
+    assert chance_as_it_lies(questions, home, found).chance > SURE
+    mirrored = replace(found, handed=0.6)
+    assert chance_as_it_lies(questions, home, mirrored).chance < 0.1
+    assert chance_where_it_slid(0.0, questions, home, mirrored).chance < 0.1
 
 
 @pytest.mark.parametrize(("form", "sure"), [(1.0, True), (0.4, False)])
@@ -175,19 +184,18 @@ def test_few_places_need_not_lead_where_the_skin_is_surer_than_of_another_one(
 ) -> None:
     """Of a leg as much looks like the other leg as of another person like oneself."""
     home = half_shared(laid(questions, (true_places(questions[0]), true_places(questions[1]))))
-    found = join_chance.likeness_of_both(questions, home)
+    found = likeness_of_both(questions, home)
     assert found is not None
     few = replace(found, handed=0.85, leading=0.75)
-    monkeypatch.setattr(join_chance, "likeness_of_both", lambda *_: few)
     monkeypatch.setattr(join_chance, "alike_in_form", lambda *_: form)
-    said = chance_as_it_lies(questions, home)
+    said = chance_as_it_lies(questions, home, few)
     assert (said.chance >= JOINED) is sure
     assert said.by_skin > SURE
 
 
 def test_what_lies_within_the_other_is_not_sure_by_its_skin(questions) -> None:
     home = laid(questions, (true_places(questions[0]), true_places(questions[1])))
-    said = chance_as_it_lies(questions, home)
+    said = chance_as_it_lies(questions, home, likeness_of_both(questions, home))
     assert said.chance < 0.1
     assert said.by_skin > SURE
 
@@ -195,15 +203,13 @@ def test_what_lies_within_the_other_is_not_sure_by_its_skin(questions) -> None:
 def test_what_was_likely_is_refused_where_it_slides_to_nothing_alike(questions) -> None:
     """By accident a small place may have a relief that is alike before, at one width."""
     elsewhere = half_shared(moved(questions, turned_over(questions)))
-    assert chance_where_it_slid(0.6, questions, elsewhere).chance < 0.1
+    assert slid_chance(0.6, questions, elsewhere).chance < 0.1
 
 
 def test_of_what_lies_wholly_within_the_other_the_chance_only_falls(questions) -> None:
     home = laid(questions, (true_places(questions[0]), true_places(questions[1])))
-    assert chance_where_it_slid(0.3, questions, home).chance == 0.3
-    assert (
-        chance_where_it_slid(0.9, questions, moved(questions, turned_over(questions))).chance < 0.5
-    )
+    assert slid_chance(0.3, questions, home).chance == 0.3
+    assert slid_chance(0.9, questions, moved(questions, turned_over(questions))).chance < 0.5
 
 
 @pytest.mark.parametrize(

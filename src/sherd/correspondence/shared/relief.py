@@ -13,6 +13,7 @@ where a joint is bent, and hardly elsewhere.
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 
 import numpy as np
 from scipy.stats import rankdata
@@ -55,6 +56,8 @@ FORM_FINE, FORM_COARSE = 0.05, 0.14
 LEAST_NODES = 3
 
 
+# several answers to one question ask for those of both of its surfaces
+@lru_cache(maxsize=4)
 def relief(mesh: TriangleMesh, width: float = FINE) -> Floats:
     """The relief (n,) of a mesh in units of sqrt(area), 1 / length.
 
@@ -66,6 +69,7 @@ def relief(mesh: TriangleMesh, width: float = FINE) -> Floats:
     return _signed_root(fine[:, 0]) - _signed_root(coarse[:, 0])
 
 
+@lru_cache(maxsize=4)
 def form(mesh: TriangleMesh) -> Floats:
     """The form (n,) of a mesh in units of sqrt(area), 1 / length; positive where it bulges.
 

@@ -18,7 +18,8 @@ from sherd.correspondence.labels.anchors import first_labeling, proposed_anchors
 from sherd.correspondence.labels.two_way import Both, TwoLabelings
 from sherd.correspondence.placements import anchor_problem
 from sherd.correspondence.question import Question
-from sherd.correspondence.shared.judgment import MIRROR_CHANCE, likeness_of_both, shared_area
+from sherd.correspondence.shared.judgment import MIRROR_CHANCE, shared_area
+from sherd.correspondence.shared.likeness import Likeness
 from sherd.correspondence.shared.relief import alike_in_form, alike_in_relief
 from sherd.correspondence.shared.two_way_placement import SharedPlacement
 from sherd.puzzle.growing.sliding import alike_in_reliefs
@@ -153,13 +154,16 @@ def may_lie_right(features: Floats) -> bool:
     return bool(features[LEADING] >= LED_BEFORE and features[RELIEF] >= UNLIKE)
 
 
-def chance_as_it_lies(questions: Both[Question], placements: Both[SharedPlacement]) -> SlidChance:
+def chance_as_it_lies(
+    questions: Both[Question], placements: Both[SharedPlacement], likeness: Likeness | None
+) -> SlidChance:
     """The chance of an answer by its skin alone, where it was laid.
 
     A slide looks for what is alike and may leave the right place for it, so what lies right already
     is sure as it is. Of what lies within the other the skin alone makes nothing likelier.
+    `likeness` is that of both.
     """
-    skin = _skin(questions, placements)
+    skin = _skin(questions, placements, likeness)
     if skin is None:
         return SlidChance(LEAST, 0.0)
     led = 0.0 if lies_within(questions, placements) else skin.led
@@ -167,7 +171,10 @@ def chance_as_it_lies(questions: Both[Question], placements: Both[SharedPlacemen
 
 
 def chance_where_it_slid(
-    before: float, questions: Both[Question], placements: Both[SharedPlacement]
+    before: float,
+    questions: Both[Question],
+    placements: Both[SharedPlacement],
+    likeness: Likeness | None,
 ) -> SlidChance:
     """The chance of an answer by what is seen where it slid to, too.
 
@@ -176,9 +183,10 @@ def chance_where_it_slid(
     bulges elsewhere. With alike reliefs that is enough to be sure, and without them nothing is:
     skin that slid to where it is most alike and is no more so than by accident is not the same
     skin. So what was likely before is no likelier than that. Of what lies wholly within the other
-    all places may lead, so what is seen there makes nothing likelier.
+    all places may lead, so what is seen there makes nothing likelier. `likeness` is that of both
+    there.
     """
-    skin = _skin(questions, placements)
+    skin = _skin(questions, placements, likeness)
     if skin is None:
         return SlidChance(before, 0.0)
     before = max(min(before, skin.sided), LEAST)
@@ -226,9 +234,10 @@ class _Skin:
         return self.by_skin * own
 
 
-def _skin(questions: Both[Question], placements: Both[SharedPlacement]) -> _Skin | None:
+def _skin(
+    questions: Both[Question], placements: Both[SharedPlacement], likeness: Likeness | None
+) -> _Skin | None:
     """None where too little is shared to be judged."""
-    likeness = likeness_of_both(questions, placements)
     if likeness is None:
         return None
     both = tuple(zip(questions, placements, strict=True))
@@ -275,9 +284,10 @@ def join_features(
     labelings: TwoLabelings,
     questions: Both[Question],
     placements: Both[SharedPlacement],
+    likeness: Likeness | None,
     seed: int,
 ) -> Floats:
-    """Features (8,) of what two pieces share.
+    """Features (8,) of what two pieces share, of which `likeness` is that of both.
 
     One; what both directions agree on, and what that is worth, of the labelings; the share of the
     rim of what is shared that lies inside both pieces, at least UNTOLD if one is within the other;
@@ -288,7 +298,6 @@ def join_features(
     if not all(place.shared.any() for place in placements):
         worth = float(np.clip(labelings.worth, -1.0, 1.0))
         return np.array([1.0, labelings.agreement, worth, 0.0, 0.0, UNSHARED_STRAIN, 0.0, 0.0])
-    likeness = likeness_of_both(questions, placements)
     both = tuple(zip(questions, placements, strict=True))
     inside = np.concatenate([_rim_inside(*each) for each in both])
     rim = float(inside.mean()) if len(inside) else 0.0

@@ -17,6 +17,7 @@ from sherd.arrays import Bools, Ints
 from sherd.correspondence.labels.places import followed
 from sherd.correspondence.labels.two_way import Both, TwoLabelings
 from sherd.correspondence.question import NO_PINS, Question
+from sherd.correspondence.shared.judgment import likeness_of_both
 from sherd.correspondence.shared.places_by_form import finished_place, labelings_by_form
 from sherd.correspondence.shared.relief import alike_in_relief, form
 from sherd.correspondence.shared.two_way_placement import placed_together
@@ -143,11 +144,12 @@ def _answer(
 ) -> Meeting:
     """Both surfaces laid on each other by one labeling of both, and how likely that is right."""
     placements = placed_together(questions, labelings, queries, strain=OverlapOptions().strain)
-    features = join_features(labelings, questions, placements, seed)
+    likeness = likeness_of_both(questions, placements)
+    features = join_features(labelings, questions, placements, likeness, seed)
     met = Meeting(questions, queries, placements, join_chance(features), fits_a_twin(features))
     skin = SlidChance(0.0, 0.0)
     if may_lie_right(features):
-        skin = chance_as_it_lies(questions, placements)
+        skin = chance_as_it_lies(questions, placements, likeness)
     return _slid(met, skin) if may_be_right(features) or skin.by_skin >= LIKELY else met
 
 
@@ -161,7 +163,8 @@ def _slid(met: Meeting, skin: SlidChance) -> Meeting:
     if not all(place.shared.any() for place in found):
         sure = skin.chance >= JOINED > met.chance
         return _judged(met, skin) if sure else replace(met, by_skin=skin.by_skin)
-    said = chance_where_it_slid(met.chance, met.questions, found)
+    likeness = likeness_of_both(met.questions, found)
+    said = chance_where_it_slid(met.chance, met.questions, found, likeness)
     if skin.chance >= JOINED > said.chance:
         return _judged(met, skin)
     there = _judged(replace(met, placements=found), said)
