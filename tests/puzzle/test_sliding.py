@@ -208,8 +208,32 @@ def test_what_was_likely_is_refused_where_it_slides_to_nothing_alike(questions) 
 
 def test_of_what_lies_wholly_within_the_other_the_chance_only_falls(questions) -> None:
     home = laid(questions, (true_places(questions[0]), true_places(questions[1])))
-    assert slid_chance(0.3, questions, home).chance == 0.3
+    assert slid_chance(0.3, questions, home).chance == pytest.approx(0.3, abs=1e-3)
     assert slid_chance(0.9, questions, moved(questions, turned_over(questions))).chance < 0.5
+
+
+def test_what_lies_within_the_other_is_one_s_own_only_if_the_skin_is_sure(
+    questions, monkeypatch
+) -> None:
+    """An arm of another person in the same pose is laid on an arm, and is as likely before."""
+    home = laid(questions, (true_places(questions[0]), true_places(questions[1])))
+    found = likeness_of_both(questions, home)
+    assert found is not None
+    monkeypatch.setattr(join_chance, "alike_in_form", lambda *_: 0.7)
+    other = replace(found, handed=0.72, leading=0.95)
+    said = chance_where_it_slid(0.9, questions, home, other)
+    assert said.by_skin > SURE
+    assert said.chance < 0.1
+
+
+def test_a_place_as_small_as_a_few_bumps_is_alike_by_accident(questions, monkeypatch) -> None:
+    """On a ring of a horse's leg a cat's may have the same three bumps."""
+    home = half_shared(laid(questions, (true_places(questions[0]), true_places(questions[1]))))
+    likeness = likeness_of_both(questions, home)
+    monkeypatch.setattr(join_chance, "alike_in_reliefs", lambda *_: 0.8)
+    for area, sure in ((0.1, True), (0.02, False)):
+        monkeypatch.setattr(join_chance, "shared_area", lambda *_, area=area: area)
+        assert (chance_as_it_lies(questions, home, likeness).chance >= JOINED) is sure
 
 
 @pytest.mark.parametrize(
