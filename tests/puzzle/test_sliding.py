@@ -13,6 +13,7 @@ from sherd.correspondence.labels.two_way import Both
 from sherd.correspondence.question import Question
 from sherd.correspondence.registration import Deformation
 from sherd.correspondence.shared.judgment import likeness_of_both
+from sherd.correspondence.shared.likeness import Likeness
 from sherd.correspondence.shared.relief import alike_in_relief
 from sherd.correspondence.shared.round_trip import round_trip
 from sherd.correspondence.shared.two_way_placement import SharedPlacement
@@ -120,11 +121,21 @@ def test_where_nothing_is_shared_nothing_moves(questions) -> None:
     assert moved(questions, apart) is apart
 
 
+def at_home(questions: Both[Question]) -> Both[SharedPlacement]:
+    return laid(questions, (true_places(questions[0]), true_places(questions[1])))
+
+
+def likeness(questions: Both[Question], placements: Both[SharedPlacement]) -> Likeness:
+    found = likeness_of_both(questions, placements)
+    assert found is not None
+    return found
+
+
 def slid_chance(
     before: float, questions: Both[Question], placements: Both[SharedPlacement]
 ) -> SlidChance:
-    likeness = likeness_of_both(questions, placements)
-    return chance_where_it_slid(before, questions, placements, likeness)
+    found = likeness_of_both(questions, placements)
+    return chance_where_it_slid(before, questions, placements, found)
 
 
 def half_shared(placements: Both[SharedPlacement]) -> Both[SharedPlacement]:
@@ -155,13 +166,13 @@ def test_what_slid_home_is_sure_and_what_slid_elsewhere_is_not(questions) -> Non
 def test_what_was_sure_is_refused_where_its_slide_says_it_is_something_else(questions) -> None:
     elsewhere = half_shared(moved(questions, turned_over(questions)))
     assert slid_chance(0.9, questions, elsewhere).chance < 0.5
-    home = half_shared(laid(questions, (true_places(questions[0]), true_places(questions[1]))))
+    home = half_shared(at_home(questions))
     assert slid_chance(0.9, questions, home).chance >= 0.9
 
 
 def test_what_bulges_elsewhere_is_refused_though_all_else_is_right(questions, monkeypatch) -> None:
     """A leg of a cat fits a horse that lacks one, bumps and all."""
-    home = half_shared(laid(questions, (true_places(questions[0]), true_places(questions[1]))))
+    home = half_shared(at_home(questions))
     monkeypatch.setattr(join_chance, "alike_in_form", lambda *_: 0.0)
     assert slid_chance(0.9, questions, home).chance < SURE
     assert slid_chance(0.0, questions, home).chance < SURE
@@ -169,9 +180,8 @@ def test_what_bulges_elsewhere_is_refused_though_all_else_is_right(questions, mo
 
 def test_what_is_no_more_alike_than_mirrored_is_not_sure(questions) -> None:
     """A foreleg on a hind leg, which is as thick, bulges as it does and is hardly strained."""
-    home = half_shared(laid(questions, (true_places(questions[0]), true_places(questions[1]))))
-    found = likeness_of_both(questions, home)
-    assert found is not None
+    home = half_shared(at_home(questions))
+    found = likeness(questions, home)
     assert chance_as_it_lies(questions, home, found).chance > SURE
     mirrored = replace(found, handed=0.6)
     assert chance_as_it_lies(questions, home, mirrored).chance < 0.1
@@ -183,9 +193,8 @@ def test_few_places_need_not_lead_where_the_skin_is_surer_than_of_another_one(
     questions, monkeypatch, form: float, sure: bool
 ) -> None:
     """Of a leg as much looks like the other leg as of another person like oneself."""
-    home = half_shared(laid(questions, (true_places(questions[0]), true_places(questions[1]))))
-    found = likeness_of_both(questions, home)
-    assert found is not None
+    home = half_shared(at_home(questions))
+    found = likeness(questions, home)
     few = replace(found, handed=0.85, leading=0.75)
     monkeypatch.setattr(join_chance, "alike_in_form", lambda *_: form)
     said = chance_as_it_lies(questions, home, few)
@@ -194,8 +203,8 @@ def test_few_places_need_not_lead_where_the_skin_is_surer_than_of_another_one(
 
 
 def test_what_lies_within_the_other_is_not_sure_by_its_skin(questions) -> None:
-    home = laid(questions, (true_places(questions[0]), true_places(questions[1])))
-    said = chance_as_it_lies(questions, home, likeness_of_both(questions, home))
+    home = at_home(questions)
+    said = chance_as_it_lies(questions, home, likeness(questions, home))
     assert said.chance < 0.1
     assert said.by_skin > SURE
 
@@ -207,7 +216,7 @@ def test_what_was_likely_is_refused_where_it_slides_to_nothing_alike(questions) 
 
 
 def test_of_what_lies_wholly_within_the_other_the_chance_only_falls(questions) -> None:
-    home = laid(questions, (true_places(questions[0]), true_places(questions[1])))
+    home = at_home(questions)
     assert slid_chance(0.3, questions, home).chance == pytest.approx(0.3, abs=1e-3)
     assert slid_chance(0.9, questions, moved(questions, turned_over(questions))).chance < 0.5
 
@@ -216,9 +225,8 @@ def test_what_lies_within_the_other_is_one_s_own_only_if_the_skin_is_sure(
     questions, monkeypatch
 ) -> None:
     """An arm of another person in the same pose is laid on an arm, and is as likely before."""
-    home = laid(questions, (true_places(questions[0]), true_places(questions[1])))
-    found = likeness_of_both(questions, home)
-    assert found is not None
+    home = at_home(questions)
+    found = likeness(questions, home)
     monkeypatch.setattr(join_chance, "alike_in_form", lambda *_: 0.7)
     other = replace(found, handed=0.72, leading=0.95)
     said = chance_where_it_slid(0.9, questions, home, other)
@@ -228,12 +236,12 @@ def test_what_lies_within_the_other_is_one_s_own_only_if_the_skin_is_sure(
 
 def test_a_place_as_small_as_a_few_bumps_is_alike_by_accident(questions, monkeypatch) -> None:
     """On a ring of a horse's leg a cat's may have the same three bumps."""
-    home = half_shared(laid(questions, (true_places(questions[0]), true_places(questions[1]))))
-    likeness = likeness_of_both(questions, home)
+    home = half_shared(at_home(questions))
+    found = likeness(questions, home)
     monkeypatch.setattr(join_chance, "alike_in_reliefs", lambda *_: 0.8)
     for area, sure in ((0.1, True), (0.02, False)):
         monkeypatch.setattr(join_chance, "shared_area", lambda *_, area=area: area)
-        assert (chance_as_it_lies(questions, home, likeness).chance >= JOINED) is sure
+        assert (chance_as_it_lies(questions, home, found).chance >= JOINED) is sure
 
 
 @pytest.mark.parametrize(

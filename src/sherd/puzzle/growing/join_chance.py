@@ -85,8 +85,8 @@ LIKELY, LED_BEFORE = 0.2, 0.65
 # 0.10 is shared, right answers of as much to 0.64 and more, those of a third of an animal to 0.50.
 SLID_UNLIKE, LEAST_UNLIKE, MOST_UNLIKE = 0.2, 0.42, 0.58
 # However little is shared, reliefs must be more alike than by accident: by two standard deviations,
-# over bumps 0.034 wide. A cat's part had 0.105 and 0.116 of it on two rings of a horse's leg, the
-# least of what is right and joined by it 0.121.
+# over bumps 0.034 wide. Another animal's part had 0.105 and 0.116 of it on two rings of a horse's
+# leg, the least of what is right and joined by it 0.121.
 ACCIDENT = 0.12
 # For what was likely before, by all else, they may be less alike by this. At one width, before they
 # slid, reliefs of a small piece of a lion at a wrong place (a chance of 0.62) and of a part of a
@@ -96,10 +96,10 @@ SPARED = 0.09
 # Of two thirds of three other people on a woman 0.67, 0.79 and 0.82 of the places lead; of right
 # answers that need this to be sure 0.87 and more.
 SLID_LED = 0.85
-# Whose skin is as sure as this is no other individual, however few places lead: those of a leg that
-# is seen to the ankle look like those of the other leg. Limbs of other people have up to 0.8 by
-# their skin, what is larger of them up to 0.76; of five right answers where fewer places lead three
-# have 0.89 to 0.95, two 0.82. Between, at least three steps to either.
+# Where the skin is as sure as this few places need not lead: those of a leg that is seen to the
+# ankle look like those of the other leg. What was seen of other people where fewer lead has up to
+# 0.8 by its skin; of five right answers three have 0.89 to 0.95, two 0.82. Between, at least three
+# steps to either. Limbs of other people in the same pose have up to 0.997, but there places lead.
 OWN_SKIN, OWN_STEP = 0.85, 0.01
 # Of one, the share of places that are more alike than mirrored, the share that lead, strain, and
 # how alike forms are. A logistic regression over 114 answers to ten puzzles and to eight animals
@@ -108,7 +108,7 @@ OWN_SKIN, OWN_STEP = 0.85, 0.01
 # one is at 0.65. With each shape left out in turn 11, and three above, all of which the conditions
 # here refuse. What an answer was worth before its slide adds nothing to these (a coefficient of
 # -0.1 of its log odds). Limbs of other people, strained by 0.05 on a limb as long, are not in it:
-# they have up to 0.8.
+# they have up to 0.8, in the same pose up to 0.997.
 SLID_COEFFICIENTS = (-14.9, 12.8, 3.6, -6.0, 6.3)
 # What lies within the other has no border there to tell by, so it must be as sure by its skin as
 # one's own is: two parts of other people, in the same pose, have 0.86 and 0.89, a half of the
@@ -198,12 +198,12 @@ def chance_where_it_slid(
     skin = _skin(questions, placements, likeness)
     if skin is None:
         return SlidChance(before, 0.0)
-    before = max(min(before, skin.sided), LEAST)
+    before = min(before, skin.sided)
     if lies_within(questions, placements):
-        own = _above(skin.by_skin, OWN_WITHIN, WITHIN_STEP)
-        return SlidChance(max(before * own, LEAST), skin.by_skin)
-    before *= _above(skin.alike, -SPARED, UNLIKE_STEP)
-    return SlidChance(float(np.clip(max(before, skin.led), LEAST, MOST)), skin.by_skin)
+        chance = before * _above(skin.by_skin, OWN_WITHIN, WITHIN_STEP)
+    else:
+        chance = max(before * _above(skin.alike, -SPARED, UNLIKE_STEP), skin.led)
+    return SlidChance(float(np.clip(chance, LEAST, MOST)), skin.by_skin)
 
 
 @dataclass(frozen=True)
@@ -237,7 +237,7 @@ class _Skin:
 
     @property
     def led(self) -> float:
-        """The same where it is no other individual: many places lead, or the skin is that sure."""
+        """The same where many places lead, as of others' skin they seldom do, or it is surer."""
         own = max(
             _above(self.leading, SLID_LED, LED_STEP), _above(self.by_skin, OWN_SKIN, OWN_STEP)
         )
@@ -263,8 +263,8 @@ def _skin(
 def _least_alike(area: float) -> float:
     """How alike reliefs of an area must be."""
     root = max(math.sqrt(area), 1e-12)
-    least = float(np.clip(SLID_UNLIKE / root, LEAST_UNLIKE, MOST_UNLIKE))
-    return max(least, ACCIDENT / root)
+    most = max(MOST_UNLIKE, ACCIDENT / root)
+    return float(np.clip(SLID_UNLIKE / root, LEAST_UNLIKE, most))
 
 
 def lies_within(questions: Both[Question], placements: Both[SharedPlacement]) -> bool:
