@@ -15,7 +15,7 @@ from sherd.correspondence.labels.places import UNEQUAL, followed
 from sherd.correspondence.labels.two_way import TwoLabelings, two_way_labelings
 from sherd.correspondence.shared import places_by_form
 from sherd.correspondence.shared.places_by_form import finished_place, labelings_by_form
-from sherd.correspondence.shared.relief import alike_at_labels
+from sherd.correspondence.shared.relief_correlation import alike_at_labels
 
 SHIFTS = 16
 CHANCE = 20.0

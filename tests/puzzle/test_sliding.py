@@ -14,7 +14,7 @@ from sherd.correspondence.question import Question
 from sherd.correspondence.registration import Deformation
 from sherd.correspondence.shared.judgment import likeness_of_both
 from sherd.correspondence.shared.likeness import Likeness
-from sherd.correspondence.shared.relief import alike_in_relief
+from sherd.correspondence.shared.relief_correlation import alike_in_relief
 from sherd.correspondence.shared.round_trip import round_trip
 from sherd.correspondence.shared.two_way_placement import SharedPlacement
 from sherd.mesh.surface_points import closest_points

@@ -15,7 +15,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from sherd.arrays import Floats
-from sherd.correspondence.shared.relief import relief_and_bulge
+from sherd.descriptors.relief import relief_and_bulge
 from sherd.fitting.targets import Targets
 from sherd.mesh.geometry import vertex_normals
 from sherd.mesh.surface_finder import SurfaceFinder

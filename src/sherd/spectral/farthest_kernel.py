@@ -6,6 +6,7 @@ import numpy as np
 
 from sherd.arrays import Floats, Ints
 from sherd.compiled import compiled
+from sherd.spectral.heap_kernel import rise, sink
 
 __all__ = ["farthest_along_paths", "farthest_in_space"]
 
@@ -55,7 +56,7 @@ def farthest_along_paths(starts, neighbors, lengths, ranks, count, start):
             place[vertex] = -1
             filled -= 1
             if filled > 0:
-                _sink(heap, place, nearest, heap[filled], filled)
+                sink(heap, place, nearest, heap[filled], filled)
             for entry in range(starts[vertex], starts[vertex + 1]):
                 other = neighbors[entry]
                 distance = nearest[vertex] + lengths[entry]
@@ -64,7 +65,7 @@ def farthest_along_paths(starts, neighbors, lengths, ranks, count, start):
                     if place[other] < 0:
                         place[other] = filled
                         filled += 1
-                    _rise(heap, place, nearest, other)
+                    rise(heap, place, nearest, other)
         current = _farthest(nearest, taken, ranks)
     return chosen
 
@@ -79,35 +80,3 @@ def _farthest(nearest, taken, ranks):
         if value > largest or (value == np.inf and ranks[vertex] < rank):
             best, largest, rank = vertex, value, ranks[vertex]
     return best
-
-
-@compiled()
-def _rise(heap, place, keys, item):
-    """Move `item`, at its place in the heap, up to where it belongs."""
-    at = place[item]
-    while at > 0:
-        above = (at - 1) // 2
-        if keys[heap[above]] <= keys[item]:
-            break
-        heap[at] = heap[above]
-        place[heap[at]] = at
-        at = above
-    heap[at] = item
-    place[item] = at
-
-
-@compiled()
-def _sink(heap, place, keys, item, filled):
-    """Put `item` at the top of a heap of `filled` entries and move it down."""
-    at = 0
-    while 2 * at + 1 < filled:
-        below = 2 * at + 1
-        if below + 1 < filled and keys[heap[below + 1]] < keys[heap[below]]:
-            below += 1
-        if keys[item] <= keys[heap[below]]:
-            break
-        heap[at] = heap[below]
-        place[heap[at]] = at
-        at = below
-    heap[at] = item
-    place[item] = at

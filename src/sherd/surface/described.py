@@ -11,6 +11,7 @@ from scipy.spatial import cKDTree
 
 from sherd.arrays import Bools, Floats, Ints, Singles
 from sherd.descriptors.principal_spectra import PrincipalAxes, principal_axes
+from sherd.descriptors.relief_patches import ReliefPatches, relief_patches
 from sherd.descriptors.rotation_shot import rotation_spectra, trusted_by_cut
 from sherd.descriptors.tangent_frames import smoothed_normals, tangent_axes
 from sherd.mesh.surface_finder import SurfaceFinder
@@ -31,7 +32,16 @@ from sherd.surface.viewing import viewing_direction
 from sherd.surface.working import WorkingSurface
 from sherd.threads import cached_property
 
-__all__ = ["LEAST_TRUST", "NO_CUT", "RADII", "REFERENCE", "DescribedSurface", "Known", "Spread"]
+__all__ = [
+    "LEAST_TRUST",
+    "NO_CUT",
+    "RADII",
+    "REFERENCE",
+    "DescribedSurface",
+    "Known",
+    "Skin",
+    "Spread",
+]
 
 # All lengths are in units of sqrt(area of the full shape).
 # Neighborhoods from the smallest that holds some 40 vertices of a 10,000-vertex mesh to the
@@ -49,6 +59,9 @@ BLOCK = 4096
 # `Spread` vertices of a whole lie 0.013 apart, a third of the smallest radius, so that one of them
 # sees nearly what the best vertex would see.
 SPREAD_COUNT = 6000
+# Three times as many as there are labels in matching, 0.016 apart: bumps are as wide, so one of the
+# vertices in the cell of the right label shows them in the right places.
+SKIN_COUNT = 3600
 # A fifth of them, as many as there are labels in matching, tell what spectra look like.
 AXES_STEP = 5
 # Stands for "no cut at all": longer than any geodesic that matters.
@@ -75,6 +88,22 @@ class Spread:
 
 
 @dataclass(frozen=True, eq=False)
+class Skin:
+    """The relief around vertices spread evenly over a surface.
+
+    Attributes
+    ----------
+    cells
+        (c,) int, of the label in whose cell each vertex lies.
+    patches
+        (c,) in the frames of `cell_axes`.
+    """
+
+    cells: Ints
+    patches: ReliefPatches
+
+
+@dataclass(frozen=True, eq=False)
 class Known:
     """What is known of a surface beforehand, from a file or from its mirror image; else None."""
 
@@ -84,6 +113,7 @@ class Known:
     sparse: Samples | None = None
     axes: PrincipalAxes | None = None
     spectra: Singles | None = None
+    skin: Skin | None = None
 
 
 class DescribedSurface:
@@ -222,7 +252,7 @@ class DescribedSurface:
     @cached_property
     def spread(self) -> Spread:
         """The surface as it looks from vertices spread evenly over it."""
-        vertices = _spread_vertices(self.mesh)
+        vertices = _spread_vertices(self.mesh, SPREAD_COUNT)
         spectra = self.spectra_at(vertices)
         axes = principal_axes(spectra[:, ::AXES_STEP])
         return Spread(vertices, axes, axes.project(spectra))
@@ -291,6 +321,19 @@ class DescribedSurface:
             spectra[:, inside] = self._projected(inside, self.mesh.vertex_areas * mask)
         return spectra
 
+    @cached_property
+    def skin(self) -> Skin:
+        """The relief around places where another surface may lie."""
+        if self._known.skin is not None:
+            return self._known.skin
+        vertices = _spread_vertices(self.mesh, SKIN_COUNT)
+        patches = self._patches(vertices, self.cut_distance, self.cell_axes[vertices])
+        return Skin(self.dense.cells[vertices], patches)
+
+    def patches_at(self, vertices: Ints) -> ReliefPatches:
+        """The relief around some vertices, in their `frames`."""
+        return self._patches(vertices, self.cut_distance, self.frames(vertices)[0])
+
     def basis(self, size: int) -> EigenBasis:
         """The first `size` eigenpairs of the working mesh; waits if another thread is at it."""
         with self._basis_lock:
@@ -309,6 +352,9 @@ class DescribedSurface:
         ]
         return np.concatenate(found, axis=1)
 
+    def _patches(self, vertices: Ints, cut_distance: Floats, x_axes: Floats) -> ReliefPatches:
+        return relief_patches(self.mesh, self.normals, cut_distance, vertices, x_axes=x_axes)
+
     def _spectra(self, vertices: Ints, weights: Floats, x_axes: Floats, z_axes: Floats) -> Singles:
         return rotation_spectra(
             self.mesh.vertices,
@@ -321,10 +367,10 @@ class DescribedSurface:
         )
 
 
-def _spread_vertices(mesh: TriangleMesh) -> Ints:
+def _spread_vertices(mesh: TriangleMesh, count: int) -> Ints:
     used = mesh.used_vertices
-    if len(used) <= SPREAD_COUNT:
+    if len(used) <= count:
         return used
     points = mesh.vertices[used]
     start = int(np.linalg.norm(points - points.mean(axis=0), axis=1).argmax())
-    return used[farthest_point_sample_euclidean(points, SPREAD_COUNT, start=start)]
+    return used[farthest_point_sample_euclidean(points, count, start=start)]

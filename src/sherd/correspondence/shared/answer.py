@@ -39,7 +39,7 @@ from sherd.correspondence.shared.judgment import (
     shared_area,
 )
 from sherd.correspondence.shared.places_by_form import finished_place, labelings_by_form
-from sherd.correspondence.shared.relief import alike_in, form
+from sherd.correspondence.shared.relief_correlation import alike_in
 from sherd.correspondence.shared.rivals import are_rivals
 from sherd.correspondence.shared.two_way_placement import (
     SharedPlacement,
@@ -49,6 +49,7 @@ from sherd.correspondence.shared.two_way_placement import (
 )
 from sherd.correspondence.shared.viewed import are_views, viewed_problems
 from sherd.correspondence.working_placement import Queries
+from sherd.descriptors.relief import form
 from sherd.results.advice import SURE
 from sherd.threads import cached_property, side_by_side
 

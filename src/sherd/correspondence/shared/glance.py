@@ -18,7 +18,7 @@ from sherd.correspondence.labels.two_way import Both, TwoLabelings
 from sherd.correspondence.question import Question
 from sherd.correspondence.shared.likeness import Likeness, likeness_inside, mean_likeness
 from sherd.correspondence.shared.open_border import is_inside, open_seam_where
-from sherd.correspondence.shared.relief import alike_at_labels
+from sherd.correspondence.shared.relief_correlation import alike_at_labels
 from sherd.threads import side_by_side
 
 __all__ = ["Glance", "glance"]
@@ -60,7 +60,7 @@ def glance(
     labelings
         Of both.
     forms
-        (n,) and (m,), see :func:`sherd.correspondence.shared.relief.form`.
+        (n,) and (m,), see :func:`sherd.descriptors.relief.form`.
     """
     found = (labelings.forward, labelings.backward)
     agrees = (labelings.forward_agrees, labelings.backward_agrees)

@@ -28,7 +28,7 @@ from sherd.correspondence.labels.two_way import (
     led,
     only_placed,
 )
-from sherd.correspondence.shared.relief import alike_at_labels
+from sherd.correspondence.shared.relief_correlation import alike_at_labels
 
 __all__ = ["finished_place", "labelings_by_form"]
 
@@ -59,7 +59,7 @@ def labelings_by_form(
         Without a price: the nodes of each are those of the other's labels' shape.
     forms
         (n,) and (m,), of the vertices of the second shape and of the first, see
-        :func:`sherd.correspondence.shared.relief.form`.
+        :func:`sherd.descriptors.relief.form`.
     known
         The labeling of both that saves most.
     """

@@ -21,7 +21,7 @@ from sherd.correspondence.placements import anchor_problem
 from sherd.correspondence.question import Question
 from sherd.correspondence.shared.judgment import MIRROR_CHANCE, shared_area
 from sherd.correspondence.shared.likeness import Likeness
-from sherd.correspondence.shared.relief import alike_in_form, alike_in_relief
+from sherd.correspondence.shared.relief_correlation import alike_in_form, alike_in_relief
 from sherd.correspondence.shared.two_way_placement import SharedPlacement
 from sherd.puzzle.growing.sliding import alike_in_reliefs
 from sherd.results.advice import SURE

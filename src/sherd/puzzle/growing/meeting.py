@@ -15,13 +15,15 @@ import numpy as np
 
 from sherd.arrays import Bools, Ints
 from sherd.correspondence.labels.places import followed
+from sherd.correspondence.labels.relief_similarity import with_relief
 from sherd.correspondence.labels.two_way import Both, TwoLabelings
 from sherd.correspondence.question import NO_PINS, Question
 from sherd.correspondence.shared.judgment import likeness_of_both
 from sherd.correspondence.shared.places_by_form import finished_place, labelings_by_form
-from sherd.correspondence.shared.relief import alike_in_relief, form
+from sherd.correspondence.shared.relief_correlation import alike_in_relief
 from sherd.correspondence.shared.two_way_placement import placed_together
 from sherd.correspondence.working_placement import Queries
+from sherd.descriptors.relief import form
 from sherd.mesh.surface_points import closest_points
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.overlap import (
@@ -118,7 +120,8 @@ def _answers(
         replace(there.with_stretch(STRETCH), free=free),
         back.with_stretch(STRETCH),
     )
-    problems = problems_both_ways(questions, seed)
+    by_shot = problems_both_ways(questions, seed)
+    problems = (with_relief(by_shot[0]), with_relief(by_shot[1]))
     labelings = labeled_both_ways(problems, seed)
     questions = (
         replace(questions[0], pins=NO_PINS, free=None),
@@ -130,13 +133,17 @@ def _answers(
     met = answer(led)
     if met.chance >= JOINED:
         return [met]
+    # a pose that stretches the skin leaves little of its relief
+    second = answer(followed(by_shot, labeled_both_ways(by_shot, seed)))
+    if second.chance >= JOINED:
+        return [met, second]
     forms = (form(questions[0].part.mesh), form(questions[1].part.mesh))
     begun = labelings_by_form(problems, forms, labelings)
     tried = [followed(problems, finished_place(problems, each)) for each in begun]
     if led is not labelings:
         tried.append(labelings)
     # of two that are as unlikely the one that saves most comes first
-    return [met, *side_by_side(partial(answer, each) for each in tried)]
+    return [met, second, *side_by_side(partial(answer, each) for each in tried)]
 
 
 def _answer(

@@ -20,8 +20,9 @@ from sherd.correspondence.elastic_kernel import fit_rotations
 from sherd.correspondence.labels.two_way import Both
 from sherd.correspondence.question import Question
 from sherd.correspondence.registration import Deformation
-from sherd.correspondence.shared.relief import alike_in, relief_and_bulge, seen_area
+from sherd.correspondence.shared.relief_correlation import alike_in, seen_area
 from sherd.correspondence.shared.two_way_placement import SharedPlacement, drawn_together
+from sherd.descriptors.relief import relief_and_bulge
 from sherd.mesh.geometry import vertex_normals
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.spectral.optical_flow import Sight, flow_field, ranks, slopes

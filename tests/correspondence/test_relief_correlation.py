@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sherd.correspondence.shared.relief import alike_in_form, alike_in_relief, form, relief
+from sherd.correspondence.shared.relief_correlation import alike_in_form, alike_in_relief
+from sherd.descriptors.relief import form, relief
 from sherd.mesh.surface_points import SurfacePoints, closest_points, points_at_vertices
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.puzzle.growing.join_chance import UNLIKE

@@ -1,0 +1,209 @@
+"""Relief patches: what the skin around a point looks like, as far as it is there, turned freely.
+
+SHOT describes how normals turn, which changes where a joint bends, and near a cut it sees half of a
+neighborhood. Bumps and hollows stay on the skin in every pose. So they are drawn in polar
+coordinates around a point, as on a map, and two such patches are compared where both are seen, in
+all rotations at once: the cuts of both may go through them anywhere. A mirrored patch is another
+one.
+
+Two *pictures* each of a fine and a wider relief are drawn: of Gaussian curvature, which bending
+leaves as it is, and of mean curvature, which has a slope where the other one is flat. They are
+ranks, as a nose or a hoof has more relief than all the rest.
+
+References
+----------
+Schmidt, Grimm, Wyvill, *Interactive decal compositing with discrete exponential maps*, 2006: the
+coordinates of a vertex are those of the neighbor it is reached from and the edge between them, laid
+flat in the tangent plane there. Deviation: of several neighbors the one counts that leads there by
+the shortest straight line. Padfield, *Masked object registration in the Fourier domain*, 2012,
+section 2: correlation of what both masks show, which is computed here shift by shift.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache, partial
+
+import numpy as np
+
+from sherd.arrays import Floats, Ints, Singles
+from sherd.descriptors.relief import relief_and_bulge
+from sherd.mesh.topology import adjacency
+from sherd.mesh.triangle_mesh import TriangleMesh
+from sherd.spectral.optical_flow import ranks
+from sherd.threads import over_rows, side_by_side
+
+__all__ = ["SHIFTS", "ReliefPatches", "patch_similarity", "relief_patches", "relief_pictures"]
+
+# Widths of bumps, in sqrt(area) of the larger piece: little more than the edges of a mesh of 10,000
+# vertices, and twice that. On the pairs of a horse, a wolf, a cat and a man the right label was
+# most alike for a few nodes in a hundred more than by either alone, or by one of 0.02.
+WIDTHS = (0.014, 0.03)
+# The patch reaches as far as the largest neighborhood of SHOT, in rings of the size of a bump. With
+# 0.07 and 0.16 fewer right labels came first, with 0.12 as many.
+RADIUS, RINGS = 0.10, 5
+# As many as rotations that labels are told apart by.
+SHIFTS = 16
+# Nearer to the cut than this the angles of faces that are gone are missing in the average.
+CUT = 0.02
+# Two patches are compared where they have a sixth of a whole one in common, and less of it proves
+# less: where nothing is alike correlations scatter by the root of what is seen. By the fourth root
+# right labels come first more often than by the second (they have less in common as well).
+LEAST_COMMON, COMMON_POWER = 0.15, 0.25
+# Patches that are compared at a time: their products stay in the cache of a core.
+BLOCK = 512
+# Of patches without relief, as of a plane, whose correlation would be that of their noise.
+LEAST_SPREAD = 1e-4
+
+
+@dataclass(frozen=True, eq=False)
+class ReliefPatches:
+    """The skin around q points.
+
+    Attributes
+    ----------
+    means
+        (q, 4, r, 16) float32 means of the pictures in each cell; 0 where nothing is seen.
+    seen
+        (q, r, 16) float32 in [0, 1], how much is seen of each cell.
+    """
+
+    means: Singles
+    seen: Singles
+
+    def __len__(self) -> int:
+        return len(self.seen)
+
+    def __getitem__(self, rows: Ints | slice) -> ReliefPatches:
+        return ReliefPatches(self.means[rows], self.seen[rows])
+
+    def mirrored(self) -> ReliefPatches:
+        """Those of the mirror image: sectors run the other way around."""
+        return ReliefPatches(self.means[..., ::-1], self.seen[..., ::-1])
+
+
+# each question asks for those of both of its surfaces, for the labels and for every answer
+@lru_cache(maxsize=4)
+def relief_pictures(mesh: TriangleMesh) -> Floats:
+    """(4, n) ranks of relief and bulge of each of `WIDTHS`, from -1/2 to 1/2."""
+    everywhere = np.ones(mesh.vertex_count, dtype=bool)
+    pictures = [each for width in WIDTHS for each in relief_and_bulge(mesh, width)]
+    return np.array([ranks(each, everywhere) for each in pictures])
+
+
+def relief_patches(
+    mesh: TriangleMesh,
+    normals: Floats,
+    cut_distance: Floats,
+    queries: Ints,
+    *,
+    x_axes: Floats,
+) -> ReliefPatches:
+    """Patches around some vertices of a mesh in units of sqrt(area).
+
+    Parameters
+    ----------
+    mesh
+        The surface.
+    normals
+        (n, 3) smoothed unit normals.
+    cut_distance
+        (n,) distance to the cut; what is nearer than `CUT` counts less, and what is at it nothing.
+    queries
+        (q,) vertices.
+    x_axes
+        (q, 3) unit tangent axis of each query; turning it turns the sectors and nothing else.
+    """
+    from sherd.descriptors.polar_kernel import polar_means  # loads slowly  # noqa: PLC0415
+
+    graph = adjacency(mesh.faces, mesh.vertex_count)
+    pictures = relief_pictures(mesh)
+    means = np.zeros((len(queries), len(pictures), RINGS, SHIFTS))
+    areas = np.zeros((len(queries), RINGS, SHIFTS))
+    width = RADIUS / RINGS
+    over_rows(
+        polar_means, len(queries), graph.indptr.astype(np.int64), graph.indices.astype(np.int64),
+        np.ascontiguousarray(mesh.vertices), np.ascontiguousarray(normals), queries,
+        np.ascontiguousarray(x_axes), np.ascontiguousarray(normals[queries]), width,
+        pictures, mesh.vertex_areas * np.clip(cut_distance / CUT, 0.0, 1.0), means, areas,
+    )  # fmt: skip
+    flat = np.pi * RADIUS**2 * _shares()
+    # half of a cell says what is in it, and where skin curves cells are smaller than in a plane
+    seen = np.minimum(areas / (0.5 * flat), 1.0)
+    return ReliefPatches(means.astype(np.float32), seen.astype(np.float32))
+
+
+def patch_similarity(
+    full: ReliefPatches, part: ReliefPatches, cells: Ints, cell_count: int
+) -> Singles:
+    """Best similarity (q, cells, 16) of each patch of the part with the patches of each cell.
+
+    The correlation of both where both are seen, times a power of how much that is. Entry
+    (i, l, s) compares at rotation `2 pi s / 16`, as :func:`pooled_similarity` does. 0 where too
+    little is seen of both, and of cells (m,) that hold no patch.
+    """
+    order = np.argsort(cells, kind="stable")
+    result = np.zeros((len(part), cell_count, SHIFTS), dtype=np.float32)
+    own = _Moments.of(part)
+    blocks = np.array_split(order, max(1, -(-len(order) // BLOCK)))
+    for block in blocks:
+        there = full[block]
+        shifted = side_by_side(partial(_correlation, own, there, shift) for shift in range(SHIFTS))
+        starts = np.flatnonzero(np.diff(cells[block], prepend=-1))
+        best = np.maximum.reduceat(np.stack(shifted, axis=2), starts, axis=1)
+        held = cells[block][starts]
+        result[:, held] = np.maximum(result[:, held], best)
+    return result
+
+
+@dataclass(frozen=True, eq=False)
+class _Moments:
+    """Of patches, their cells in one row.
+
+    Roots of the shares (q, d) that are seen of a whole patch, times pictures (c, q, d), and times
+    their squares: the product of those of two patches is what both see.
+    """
+
+    seen: Singles
+    first: Singles
+    second: Singles
+
+    @classmethod
+    def of(cls, patches: ReliefPatches, shift: int = 0) -> _Moments:
+        """Of patches that are turned by `shift` sectors."""
+        seen = np.roll(patches.seen * np.sqrt(_shares()).astype(np.float32), shift, axis=2)
+        means = np.roll(patches.means, shift, axis=3).swapaxes(0, 1)
+        flat = (len(patches), seen[0].size)
+        weighted = means * seen
+        return cls(
+            seen.reshape(flat),
+            weighted.reshape(-1, *flat),
+            (weighted * means).reshape(-1, *flat),
+        )
+
+
+def _correlation(part: _Moments, patches: ReliefPatches, shift: int) -> Singles:
+    """(q, m) correlation of patches with others turned by `shift`, over what both see.
+
+    All pictures are one, each less its mean over what both see.
+    """
+    full = _Moments.of(patches, shift)
+    common = part.seen @ full.seen.T
+    least = np.maximum(common, LEAST_SPREAD)
+    product, own, other = (np.zeros_like(common) for _ in range(3))
+    for k in range(len(part.first)):
+        own_mean, other_mean = part.first[k] @ full.seen.T, part.seen @ full.first[k].T
+        product += part.first[k] @ full.first[k].T - own_mean * other_mean / least
+        own += part.second[k] @ full.seen.T - own_mean**2 / least
+        other += part.seen @ full.second[k].T - other_mean**2 / least
+    spread = np.sqrt(np.maximum(own, LEAST_SPREAD) * np.maximum(other, LEAST_SPREAD))
+    alike = product / spread * np.minimum(common, 1.0) ** COMMON_POWER
+    found: Singles = np.where(common > LEAST_COMMON, alike, np.float32(0.0))
+    return found
+
+
+def _shares() -> Floats:
+    """(r, 1) share of each cell of a ring of the whole patch."""
+    edges = np.arange(RINGS + 1) ** 2
+    shares: Floats = np.diff(edges)[:, None] / (RINGS**2 * SHIFTS)
+    return shares
