@@ -39,7 +39,7 @@ __all__ = [
     "REFERENCE",
     "DescribedSurface",
     "Known",
-    "Skin",
+    "LabelPatches",
     "Spread",
 ]
 
@@ -61,7 +61,7 @@ BLOCK = 4096
 SPREAD_COUNT = 6000
 # Three times as many as there are labels in matching, 0.016 apart: bumps are as wide, so one of the
 # vertices in the cell of the right label shows them in the right places.
-SKIN_COUNT = 3600
+PATCH_COUNT = 3600
 # A fifth of them, as many as there are labels in matching, tell what spectra look like.
 AXES_STEP = 5
 # Stands for "no cut at all": longer than any geodesic that matters.
@@ -88,7 +88,7 @@ class Spread:
 
 
 @dataclass(frozen=True, eq=False)
-class Skin:
+class LabelPatches:
     """The relief around vertices spread evenly over a surface.
 
     Attributes
@@ -113,7 +113,6 @@ class Known:
     sparse: Samples | None = None
     axes: PrincipalAxes | None = None
     spectra: Singles | None = None
-    skin: Skin | None = None
 
 
 class DescribedSurface:
@@ -322,13 +321,11 @@ class DescribedSurface:
         return spectra
 
     @cached_property
-    def skin(self) -> Skin:
+    def label_patches(self) -> LabelPatches:
         """The relief around places where another surface may lie."""
-        if self._known.skin is not None:
-            return self._known.skin
-        vertices = _spread_vertices(self.mesh, SKIN_COUNT)
+        vertices = _spread_vertices(self.mesh, PATCH_COUNT)
         patches = self._patches(vertices, self.cut_distance, self.cell_axes[vertices])
-        return Skin(self.dense.cells[vertices], patches)
+        return LabelPatches(self.dense.cells[vertices], patches)
 
     def patches_at(self, vertices: Ints) -> ReliefPatches:
         """The relief around some vertices, in their `frames`."""

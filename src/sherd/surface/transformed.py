@@ -73,7 +73,6 @@ def sampled_within(surface: DescribedSurface, mask: Bools) -> DescribedSurface:
         sparse=surface.sparse.within(mask),
         axes=surface.axes,
         spectra=surface.spectra,
-        skin=surface.skin,
     )
     return DescribedSurface(surface.working, reference=surface.reference, known=known)
 

@@ -27,9 +27,9 @@ def with_relief(problem: Problem) -> Problem:
     0.52.
     """
     question = problem.question
-    skin, nodes = question.full.skin, question.part.sparse.vertices
+    labels, nodes = question.full.label_patches, question.part.sparse.vertices
     relief = patch_similarity(
-        skin.patches, question.part.patches_at(nodes), skin.cells, len(problem.labels)
+        labels.patches, question.part.patches_at(nodes), labels.cells, len(problem.labels)
     )
     best = relief.max(axis=2)
     spread = float(best.std(axis=1).mean())

@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
+import numpy as np
+
+from sherd.arrays import Bools
 from sherd.correspondence.labels.two_way import Both
 from sherd.correspondence.question import Question
+from sherd.correspondence.shared.judgment import place_chances
+from sherd.correspondence.shared.rivals import are_rivals
 from sherd.correspondence.shared.two_way_placement import SharedPlacement
 from sherd.correspondence.working_placement import Queries
 
-__all__ = ["JOINED", "Meeting"]
+__all__ = ["JOINED", "Meeting", "one_place"]
 
 # What is so likely is joined. More than is called good of a piece on its whole: what is joined is
 # asked again as one, and a wrong piece draws others after it (a cat's leg on a horse that lacks it,
@@ -43,3 +49,19 @@ class Meeting:
     chance: float
     twin: bool
     by_skin: float = 0.0
+
+
+def one_place(answers: Sequence[Meeting]) -> list[Meeting]:
+    """The same answers to one question, of whose places one is right or none.
+
+    See :func:`sherd.correspondence.shared.judgment.place_chances`: what looks right and could as
+    well lie elsewhere is not sure. Of several answers at one place the likeliest counts.
+    """
+    chances = np.array([each.chance for each in answers])
+    rivals = are_rivals(answers[0].questions, [each.placements for each in answers])
+    rank = np.argsort(np.argsort(-chances, kind="stable"))
+    repeated: Bools = np.any(~rivals & (rank[None, :] < rank[:, None]), axis=1)
+    found = place_chances(np.log(chances / (1.0 - chances)).tolist(), rivals & ~repeated, ())
+    return [
+        replace(answer, chance=float(chance)) for answer, chance in zip(answers, found, strict=True)
+    ]

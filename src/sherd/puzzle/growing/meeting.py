@@ -34,7 +34,7 @@ from sherd.overlap import (
     queries_both_ways,
     questions_of,
 )
-from sherd.puzzle.growing.answer import JOINED, Meeting
+from sherd.puzzle.growing.answer import JOINED, Meeting, one_place
 from sherd.puzzle.growing.join_chance import (
     LIKELY,
     SlidChance,
@@ -100,7 +100,7 @@ def meeting(
     if free is not None and free[surfaces[0].sparse.vertices].any():
         known = known[free[surfaces[0].working.working_vertices(known[:, 0])]]
         surfaces = (sampled_within(surfaces[0], free), surfaces[1])
-    answers = _answers(surfaces, seed, known, free)
+    answers = one_place(_answers(surfaces, seed, known, free))
     return beside_their_twins(answers, partial(_mirrored_answers, described, seed))
 
 
