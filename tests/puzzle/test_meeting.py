@@ -6,11 +6,12 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+import pytest
 
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.puzzle.growing import meeting as module
-from sherd.puzzle.growing.join_chance import SlidChance
 from sherd.puzzle.growing.meeting import meeting
+from sherd.puzzle.growing.skin_chance import SlidChance
 from sherd.results.advice import SURE
 from sherd.shapes import creature, cut_by_ball, landmarks, whole
 
@@ -55,7 +56,9 @@ def test_what_may_be_right_its_place_slides_and_is_judged_there(monkeypatch) -> 
 
     monkeypatch.setattr(module, "labelings_by_form", lambda *_: [])
     monkeypatch.setattr(module, "may_be_right", lambda *_: True)
+    monkeypatch.setattr(module, "may_lie_right", lambda *_: False)
     monkeypatch.setattr(module, "slid", slid)
+    monkeypatch.setattr(module, "one_place", list)  # all answers here have one chance
     monkeypatch.setattr(module, "join_chance", lambda _: 0.7)
     for chance, alike, moves in ((0.9, 0.0, True), (0.7, 1.0, True), (0.7, -1.0, False)):
         said = SlidChance(chance, 0.0)
@@ -66,7 +69,7 @@ def test_what_may_be_right_its_place_slides_and_is_judged_there(monkeypatch) -> 
             lambda _, found, alike=alike: alike * any(found is each for each in home),
         )
         found = meeting(front, back, 0)
-        assert found.chance == chance
+        assert found.chance == pytest.approx(chance)
         assert any(found.placements is each for each in (home if moves else laid))
 
 
@@ -83,11 +86,12 @@ def test_what_is_sure_by_its_skin_stays_where_a_slide_would_leave_it(monkeypatch
     monkeypatch.setattr(module, "may_be_right", lambda *_: False)
     monkeypatch.setattr(module, "may_lie_right", lambda *_: True)
     monkeypatch.setattr(module, "slid", slid)
+    monkeypatch.setattr(module, "one_place", list)
     monkeypatch.setattr(module, "join_chance", lambda _: 0.1)
     monkeypatch.setattr(module, "chance_as_it_lies", lambda *_: SlidChance(0.95, 0.95))
     monkeypatch.setattr(module, "chance_where_it_slid", lambda *_: SlidChance(0.3, 0.3))
     found = meeting(front, back, 0)
-    assert found.chance == 0.95
+    assert found.chance == pytest.approx(0.95)
     assert any(found.placements is each for each in laid)
     monkeypatch.setattr(module, "chance_where_it_slid", lambda *_: SlidChance(0.9, 0.9))
     moved = meeting(front, back, 0)

@@ -331,6 +331,10 @@ class DescribedSurface:
         """The relief around some vertices, in their `frames`."""
         return self._patches(vertices, self.cut_distance, self.frames(vertices)[0])
 
+    def patches_at_within(self, vertices: Ints, mask: Bools) -> ReliefPatches:
+        """`patches_at` as far as they lie in a mask (n,)."""
+        return self._patches(vertices, self.cut_distance * mask, self.frames(vertices)[0])
+
     def basis(self, size: int) -> EigenBasis:
         """The first `size` eigenpairs of the working mesh; waits if another thread is at it."""
         with self._basis_lock:

@@ -15,14 +15,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sherd.arrays import Bools, Floats
+from sherd.arrays import Bools, Floats, Ints
 from sherd.correspondence.placements import node_similarity
 from sherd.correspondence.question import Question
+from sherd.descriptors.relief_patches import patch_similarity
 from sherd.descriptors.rotation_shot import trusted_equally
 from sherd.surface.described import RADII, DescribedSurface
 from sherd.surface.transformed import mirrored
 
-__all__ = ["Likeness", "likeness_inside", "mean_likeness"]
+__all__ = ["Likeness", "handed_by_relief", "likeness_inside", "mean_likeness"]
 
 # A place is known to within the middle radius of the neighborhoods that are compared; what is
 # nearer than that is the same place.
@@ -73,8 +74,7 @@ def likeness_inside(question: Question, there: Floats, own: Bools, other: Bools)
         None where so little is shared that nothing can be said.
     """
     full, part = question.full, question.part
-    order = part.sparse.farthest_first
-    chosen = order[own[part.sparse.vertices[order]]][:MOST_NODES]
+    chosen = _chosen(part, own)
     if len(chosen) < LEAST_NODES or not other.any():
         return None
     nodes = part.sparse.vertices[chosen]
@@ -86,18 +86,57 @@ def likeness_inside(question: Question, there: Floats, own: Bools, other: Bools)
         return result
 
     similarity, image = alike(part), alike(mirrored(part))
-    place = full.dense.cells[full.vertex_tree.query(there[nodes])[1]]
-    near = full.dense.between[place] < SAME_PLACE
-    here, image_here = (np.where(near, each, -1.0).max(axis=1) for each in (similarity, image))
+    here, image_here = _at_place(full, there[nodes], similarity, image)
     lack = similarity.max(axis=1) - here
     more_alike = (similarity > here[:, None]).mean(axis=1)
-    areas = np.bincount(part.sparse.cells, part.mesh.vertex_areas, minlength=len(part.sparse))
-    weights = areas[chosen]
+    weights = _areas(part)[chosen]
     return Likeness(
         lack=float(np.average(lack, weights=weights)),
         leading=float(np.average(more_alike < 1.0 / LEADING, weights=weights)),
         handed=float(np.average(here > image_here, weights=weights)),
     )
+
+
+def handed_by_relief(question: Question, there: Floats, own: Bools) -> float | None:
+    """The same share of nodes whose places are more alike than mirrored, by the relief of the skin.
+
+    Patches are compared as far as both are seen, so the full shape need not be hidden beyond what
+    is shared. None where so little is shared that nothing can be said.
+    """
+    full, part = question.full, question.part
+    chosen = _chosen(part, own)
+    if len(chosen) < LEAST_NODES:
+        return None
+    nodes, labels = part.sparse.vertices[chosen], full.label_patches
+    patches = part.patches_at_within(nodes, own)
+    here, image_here = _at_place(
+        full,
+        there[nodes],
+        *(
+            patch_similarity(labels.patches, each, labels.cells, len(full.dense)).max(axis=2)
+            for each in (patches, patches.mirrored())
+        ),
+    )
+    return float(np.average(here > image_here, weights=_areas(part)[chosen]))
+
+
+def _chosen(part: DescribedSurface, own: Bools) -> Ints:
+    """Nodes (q,) in what is shared, far from each other if not all."""
+    order = part.sparse.farthest_first
+    return order[own[part.sparse.vertices[order]]][:MOST_NODES]
+
+
+def _areas(part: DescribedSurface) -> Floats:
+    """(k,) of the cells of nodes."""
+    counts = np.bincount(part.sparse.cells, part.mesh.vertex_areas, minlength=len(part.sparse))
+    return counts.astype(np.float64, copy=False)
+
+
+def _at_place(full: DescribedSurface, there: Floats, *similarities: Floats) -> list[Floats]:
+    """Of similarities (q, s) with labels those (q,) at places (q, 3), give or take SAME_PLACE."""
+    place = full.dense.cells[full.vertex_tree.query(there)[1]]
+    near = full.dense.between[place] < SAME_PLACE
+    return [np.where(near, each, -1.0).max(axis=1) for each in similarities]
 
 
 def mean_likeness(one: Likeness | None, other: Likeness | None) -> Likeness | None:

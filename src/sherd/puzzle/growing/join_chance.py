@@ -8,8 +8,7 @@ is looked at once more where it slid to.
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -19,25 +18,23 @@ from sherd.correspondence.labels.anchors import first_labeling, proposed_anchors
 from sherd.correspondence.labels.two_way import Both, TwoLabelings
 from sherd.correspondence.placements import anchor_problem
 from sherd.correspondence.question import Question
-from sherd.correspondence.shared.judgment import MIRROR_CHANCE, shared_area
+from sherd.correspondence.shared.judgment import MIRROR_CHANCE
 from sherd.correspondence.shared.likeness import Likeness
-from sherd.correspondence.shared.relief_correlation import alike_in_form, alike_in_relief
+from sherd.correspondence.shared.relief_correlation import alike_in_relief
 from sherd.correspondence.shared.two_way_placement import SharedPlacement
-from sherd.puzzle.growing.sliding import alike_in_reliefs
 from sherd.results.advice import SURE
 from sherd.surface.transformed import mirrored, sampled_within
 
 __all__ = [
     "LIKELY",
-    "SlidChance",
-    "chance_as_it_lies",
-    "chance_where_it_slid",
+    "above",
     "fits_a_twin",
     "join_chance",
     "join_features",
     "lies_within",
     "may_be_right",
     "may_lie_right",
+    "mean_strain",
 ]
 
 # A rim that is farther from the borders of both pieces than a spacing of labels ends inside both.
@@ -79,64 +76,6 @@ LED, LED_STEP = 0.77, 0.01
 # already. Of the right answers of five puzzles that a slide makes sure the least likely
 # one had 0.23, and in the one where fewest places led 0.73 did; a slide raises that by up to 0.14.
 LIKELY, LED_BEFORE = 0.2, 0.65
-# A slide finds the most alike of what is near, and a rank correlation of n independent places
-# scatters by 1 / sqrt(n) where nothing is alike. So reliefs must be as alike as so much over the
-# root of the shared area, within bounds: an arm of a woman slides to 0.51 on her other arm, where
-# 0.10 is shared, right answers of as much to 0.64 and more, those of a third of an animal to 0.50.
-SLID_UNLIKE, LEAST_UNLIKE, MOST_UNLIKE = 0.2, 0.42, 0.58
-# However little is shared, reliefs must be more alike than by accident: by two standard deviations,
-# over bumps 0.034 wide. Another animal's part had 0.105 and 0.116 of it on two rings of a horse's
-# leg, the least of what is right and joined by it 0.121.
-ACCIDENT = 0.12
-# For what was likely before, by all else, they may be less alike by this. At one width, before they
-# slid, reliefs of a small piece of a lion at a wrong place (a chance of 0.62) and of a part of a
-# cat on a horse (0.81) were alike by 0.38 and 0.29; slid, they are 0.43 and 0.15 below. Of right
-# ones that were sure, in ten puzzles, one is below, by 0.04, of a cat; this is half way.
-SPARED = 0.09
-# Of two thirds of three other people on a woman 0.67, 0.79 and 0.82 of the places lead; of right
-# answers that need this to be sure 0.87 and more.
-SLID_LED = 0.85
-# Where the skin is as sure as this few places need not lead: those of a leg that is seen to the
-# ankle look like those of the other leg. What was seen of other people where fewer lead has up to
-# 0.8 by its skin; of five right answers three have 0.89 to 0.95, two 0.82. Between, at least three
-# steps to either. Limbs of other people in the same pose have up to 0.997, but there places lead.
-OWN_SKIN, OWN_STEP = 0.85, 0.01
-# Of one, the share of places that are more alike than mirrored, the share that lead, strain, and
-# how alike forms are. A logistic regression over 114 answers to ten puzzles and to eight animals
-# and people that were asked for the limb they lack, which slid to where reliefs are nearly that
-# alike, wrong ones counting twice: of 87 right ones 11 are below 0.65, of 27 wrong or foreign ones
-# one is at 0.65. With each shape left out in turn 11, and three above, all of which the conditions
-# here refuse. What an answer was worth before its slide adds nothing to these (a coefficient of
-# -0.1 of its log odds). Limbs of other people, strained by 0.05 on a limb as long, are not in it:
-# they have up to 0.8, in the same pose up to 0.997.
-SLID_COEFFICIENTS = (-14.9, 12.8, 3.6, -6.0, 6.3)
-# What lies within the other has no border there to tell by, so it must be as sure by its skin as
-# one's own is: two parts of other people, in the same pose, have 0.86 and 0.89, a half of the
-# generated animal 0.995. Three steps to either, and more.
-OWN_WITHIN, WITHIN_STEP = 0.95, 0.005
-# Between the shares of places that are more alike than mirrored, of limbs on other limbs, which may
-# be alike in all else, and of what lies right. A foreleg of a horse on its hind leg has 0.61, with
-# forms alike by 0.91 and a strain of 0.12; of 31 wrong answers of overlaps none is above 0.66. Of
-# 52 right answers to six puzzles that are likely by all else one is below 0.7 (a ring around a leg,
-# its own mirror image, 0.44). Three steps to either.
-SIDED, SIDED_STEP = 2.0 / 3.0, 0.01
-
-
-@dataclass(frozen=True)
-class SlidChance:
-    """What is thought of an answer where it slid to.
-
-    Attributes
-    ----------
-    chance
-        That it is right.
-    by_skin
-        The same by the skin that is shared alone: whatever was thought before, whether places lead,
-        and whether one piece lies within the other. 0 where too little is shared to be judged.
-    """
-
-    chance: float
-    by_skin: float
 
 
 def join_chance(features: Floats) -> float:
@@ -146,7 +85,7 @@ def join_chance(features: Floats) -> float:
     mirror image clearly fits better.
     """
     most = MIRROR_CHANCE if _fits_mirrored(features) else MOST
-    alike = _above(features[RELIEF], UNLIKE, UNLIKE_STEP) * _above(features[LEADING], LED, LED_STEP)
+    alike = above(features[RELIEF], UNLIKE, UNLIKE_STEP) * above(features[LEADING], LED, LED_STEP)
     return float(np.clip(_but_for_likeness(features) * alike, LEAST, most))
 
 
@@ -161,110 +100,6 @@ def may_be_right(features: Floats) -> bool:
 def may_lie_right(features: Floats) -> bool:
     """Whether the skin may be asked where an answer lies: enough places lead, and reliefs agree."""
     return bool(features[LEADING] >= LED_BEFORE and features[RELIEF] >= UNLIKE)
-
-
-def chance_as_it_lies(
-    questions: Both[Question], placements: Both[SharedPlacement], likeness: Likeness | None
-) -> SlidChance:
-    """The chance of an answer by its skin alone, where it was laid.
-
-    A slide looks for what is alike and may leave the right place for it, so what lies right already
-    is sure as it is. Of what lies within the other the skin alone makes nothing likelier.
-    `likeness` is that of both.
-    """
-    skin = _skin(questions, placements, likeness)
-    if skin is None:
-        return SlidChance(LEAST, 0.0)
-    led = 0.0 if lies_within(questions, placements) else skin.led
-    return SlidChance(float(np.clip(led, LEAST, MOST)), skin.by_skin)
-
-
-def chance_where_it_slid(
-    before: float,
-    questions: Both[Question],
-    placements: Both[SharedPlacement],
-    likeness: Likeness | None,
-) -> SlidChance:
-    """The chance of an answer by what is seen where it slid to, too.
-
-    Skin that is laid on itself there is more alike than its mirror image, its places lead, it is
-    hardly strained, and it bulges where it did; something else is strained by the slide, and
-    bulges elsewhere. With alike reliefs that is enough to be sure, and without them nothing is:
-    skin that slid to where it is most alike and is no more so than by accident is not the same
-    skin. So what was likely before is no likelier than that. Of what lies wholly within the other
-    all places may lead, so what is seen there makes nothing likelier, and must be all the surer.
-    `likeness` is that of both there.
-    """
-    skin = _skin(questions, placements, likeness)
-    if skin is None:
-        return SlidChance(before, 0.0)
-    before = min(before, skin.sided)
-    if lies_within(questions, placements):
-        chance = before * _above(skin.by_skin, OWN_WITHIN, WITHIN_STEP)
-    else:
-        chance = max(before * _above(skin.alike, -SPARED, UNLIKE_STEP), skin.led)
-    return SlidChance(float(np.clip(chance, LEAST, MOST)), skin.by_skin)
-
-
-@dataclass(frozen=True)
-class _Skin:
-    """What the skin says that two pieces share.
-
-    Attributes
-    ----------
-    seen
-        The chance by all but reliefs.
-    alike
-        By how much reliefs are more alike than they must be.
-    handed, leading
-        The share of places that are more alike than mirrored, and the share that lead.
-    """
-
-    seen: float
-    alike: float
-    handed: float
-    leading: float
-
-    @property
-    def sided(self) -> float:
-        """The chance by all but reliefs, and only if most places are more alike than mirrored."""
-        return self.seen * _above(self.handed, SIDED, SIDED_STEP)
-
-    @property
-    def by_skin(self) -> float:
-        """The same with reliefs."""
-        return self.sided * _above(self.alike, 0.0, UNLIKE_STEP)
-
-    @property
-    def led(self) -> float:
-        """The same where many places lead, as of others' skin they seldom do, or it is surer."""
-        own = max(
-            _above(self.leading, SLID_LED, LED_STEP), _above(self.by_skin, OWN_SKIN, OWN_STEP)
-        )
-        return self.by_skin * own
-
-
-def _skin(
-    questions: Both[Question], placements: Both[SharedPlacement], likeness: Likeness | None
-) -> _Skin | None:
-    """None where too little is shared to be judged."""
-    if likeness is None:
-        return None
-    both = tuple(zip(questions, placements, strict=True))
-    strain = float(np.mean([_mean_strain(*each) for each in both]))
-    area = shared_area(questions, placements)
-    bulging = alike_in_form(questions, placements)
-    features = np.array([1.0, likeness.handed, likeness.leading, strain, bulging])
-    seen = float(1.0 / (1.0 + np.exp(-features @ np.array(SLID_COEFFICIENTS))))
-    alike = alike_in_reliefs(questions, placements) - _least_alike(area)
-    return _Skin(seen, alike, likeness.handed, likeness.leading)
-
-
-def _least_alike(area: float) -> float:
-    """How alike reliefs of an area must be."""
-    root = max(math.sqrt(area), 1e-12)
-    most = max(MOST_UNLIKE, ACCIDENT / root)
-    return float(np.clip(SLID_UNLIKE / root, LEAST_UNLIKE, most))
 
 
 def lies_within(questions: Both[Question], placements: Both[SharedPlacement]) -> bool:
@@ -287,8 +122,8 @@ def _but_for_likeness(features: Floats) -> float:
     return float(1.0 / (1.0 + np.exp(-features[:LEADING] @ np.array(COEFFICIENTS))))
 
 
-def _above(value: float, middle: float, step: float) -> float:
-    """A half at the middle, 0.95 three steps above."""
+def above(value: float, middle: float, step: float) -> float:
+    """How surely a value is above a limit: a half at the middle, 0.95 three steps above."""
     return float(1.0 / (1.0 + np.exp((middle - value) / step)))
 
 
@@ -326,14 +161,15 @@ def join_features(
             float(np.clip(labelings.worth, -1.0, 1.0)),
             rim,
             _handedness(labelings, questions, placements, seed),
-            float(np.mean([_mean_strain(*each) for each in both])),
+            float(np.mean([mean_strain(*each) for each in both])),
             0.0 if likeness is None else likeness.leading,
             alike_in_relief(questions, placements),
         ]
     )
 
 
-def _mean_strain(question: Question, place: SharedPlacement) -> float:
+def mean_strain(question: Question, place: SharedPlacement) -> float:
+    """Mean strain of what is shared, by area; tears count as 1."""
     weights = question.part.mesh.vertex_areas * place.shared
     return float(np.average(np.minimum(place.strain, 1.0), weights=weights))
 

@@ -37,15 +37,13 @@ from sherd.overlap import (
 from sherd.puzzle.growing.answer import JOINED, Meeting, one_place
 from sherd.puzzle.growing.join_chance import (
     LIKELY,
-    SlidChance,
-    chance_as_it_lies,
-    chance_where_it_slid,
     fits_a_twin,
     join_chance,
     join_features,
     may_be_right,
     may_lie_right,
 )
+from sherd.puzzle.growing.skin_chance import SlidChance, chance_as_it_lies, chance_where_it_slid
 from sherd.puzzle.growing.sliding import slid
 from sherd.puzzle.growing.twin import beside_their_twins
 from sherd.results.overlap_options import OverlapOptions
