@@ -122,8 +122,9 @@ def test_stages_add_up_and_are_timed_even_when_they_fail(capsys):
 def test_the_bar_names_the_stage_on_standard_error(capsys):
     stages = Stages(1, visible=True)
     with stages("eigenbasis"):
-        pass
+        stages.show("eigenbasis: second half")
     stages.close()
     out, err = capsys.readouterr()
     assert out == ""
     assert "eigenbasis" in err
+    assert "second half" in err

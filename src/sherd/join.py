@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import lru_cache, partial
+from dataclasses import dataclass
+from functools import lru_cache
 from itertools import combinations, product
 from types import MappingProxyType
 from typing import Unpack
@@ -106,7 +107,7 @@ def join(
         evidence = pair_evidence([describe(shape.mesh, unit) for shape in shapes], options.seed)
     with stages("growth"):
         alone = [Union.of_piece(shape.mesh, number) for number, shape in enumerate(shapes)]
-        growth = grown(alone, evidence, partial(_met, options.seed, describe))
+        growth = grown(alone, evidence, _Asking(options.seed, describe, stages))
     originals = [intake.original for intake in intakes]
     with stages("synchronization"):
         direct = direct_maps(originals, growth.joins)
@@ -144,10 +145,22 @@ def join(
     )
 
 
-def _met(
-    seed: int, describe: Describe, first: Union, second: Union, known: Ints, taken: Bools | None
-) -> Meeting:
-    return meeting(first.mesh, second.mesh, seed, known, taken, describe)
+@dataclass(frozen=True)
+class _Asking:
+    """What unions share, asked while the terminal says of which; see :func:`meeting`."""
+
+    seed: int
+    describe: Describe
+    stages: Stages
+
+    def __call__(self, first: Union, second: Union, known: Ints, taken: Bools | None) -> Meeting:
+        self.stages.show(f"growth: {_named(first)} and {_named(second)}")
+        return meeting(first.mesh, second.mesh, self.seed, known, taken, self.describe)
+
+
+def _named(union: Union) -> str:
+    """Its members as the files are numbered: `2`, or `0+2+5`."""
+    return "+".join(str(member) for member in sorted(union.members))
 
 
 def _chances(growth: Growth) -> dict[tuple[int, int], float]:

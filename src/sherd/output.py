@@ -143,6 +143,11 @@ class Stages:
             if self._bar is not None:
                 self._bar.update(1)
 
+    def show(self, what: str) -> None:
+        """Say what a long stage is at; nothing where no bar is shown."""
+        if self._bar is not None:
+            self._bar.set_description_str(what)
+
     def close(self) -> None:
         """Take the bar off the terminal."""
         if self._bar is not None:

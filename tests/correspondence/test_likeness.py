@@ -8,7 +8,7 @@ from scipy.spatial import cKDTree
 
 from sherd.correspondence.labels.labeling import SAME_SCALE
 from sherd.correspondence.question import Question
-from sherd.correspondence.shared.likeness import likeness_inside
+from sherd.correspondence.shared.likeness import handed_by_relief, likeness_inside
 from sherd.shapes import creature
 from sherd.surface.described import DescribedSurface
 from sherd.surface.working import working_surface
@@ -59,3 +59,22 @@ def test_nothing_shared_says_nothing(question, front) -> None:
     there, nothing = question.full.mesh.vertices, np.zeros_like(front[1])
     assert likeness_inside(question, there, nothing, front[0]) is None
     assert likeness_inside(question, there, front[1], nothing) is None
+
+
+def test_by_relief_places_are_more_alike_than_mirrored_but_not_those_of_the_other_side(
+    question, front
+) -> None:
+    mesh = question.full.mesh
+    turned = mesh.vertices * np.array([1.0, -1.0, 1.0])  # left is where y is positive
+    there = mesh.vertices[cKDTree(mesh.vertices).query(turned)[1]]
+    right = handed_by_relief(question, mesh.vertices, front[1])
+    wrong = handed_by_relief(question, there, front[1])
+    assert right is not None
+    assert wrong is not None
+    assert right > 0.75
+    assert wrong < 0.4
+
+
+def test_by_relief_too_little_says_nothing(question, front) -> None:
+    there, nothing = question.full.mesh.vertices, np.zeros_like(front[1])
+    assert handed_by_relief(question, there, nothing) is None
