@@ -39,9 +39,9 @@ __all__ = ["SlidChance", "chance_as_it_lies", "chance_where_it_slid"]
 SLID_UNLIKE, LEAST_UNLIKE, MOST_UNLIKE = 0.2, 0.42, 0.58
 # However little is shared, reliefs must be more alike than by accident: by two standard deviations
 # and a quarter, over bumps 0.034 wide. Another animal's part had 0.105 and 0.116 of it on two rings
-# of a horse's leg, and a foreleg of a horse 0.123 to 0.134 on the rim of its hind leg, of which
-# 0.02 to 0.03 is shared. Of what is right and shares as little two had 0.121 and 0.131: they wait
-# for a union that shares more.
+# of a horse's leg, and a foreleg of a horse 0.123 to 0.136 on the rim of its hind leg, of which
+# 0.02 to 0.03 is shared. What is right and shares as little had 0.121 to 0.134 on two animals: it
+# waits for a union that shares more.
 ACCIDENT = 0.135
 # For what was likely before, by all else, they may be less alike by this. At one width, before they
 # slid, reliefs of a small piece of a lion at a wrong place (a chance of 0.62) and of a part of a
