@@ -33,13 +33,13 @@ def met(place: np.ndarray, chance: float, by_skin: float, *, twin: bool = False)
     return Meeting(questions, queries, placements, chance, twin, by_skin)
 
 
-def never() -> list[Meeting]:
+def never() -> Meeting:
     raise AssertionError("asked the mirror image")
 
 
 def test_a_limb_beside_its_twin_is_sure() -> None:
     limb, wrong = met(HOLE, 0.01, 0.3), met(TWIN, 0.2, 0.2, twin=True)
-    found = beside_their_twins([wrong, limb], lambda: [met(TWIN, 0.9, 0.9)])
+    found = beside_their_twins([wrong, limb], lambda: met(TWIN, 0.9, 0.9))
     assert found.placements is limb.placements
     assert found.chance == pytest.approx(0.3 / 0.7 * 10 / (1 + 0.3 / 0.7 * 10))
     assert found.chance >= SURE
@@ -51,7 +51,7 @@ def test_a_limb_beside_its_twin_is_sure() -> None:
 def test_without_a_sure_twin_elsewhere_it_stays_as_it_was(image: Meeting) -> None:
     """A mirror image that is hardly alike, or lies where the limb does, says nothing."""
     limb = met(HOLE, 0.1, 0.3)
-    assert beside_their_twins([limb], lambda: [image]).chance == 0.1
+    assert beside_their_twins([limb], lambda: image).chance == 0.1
 
 
 def test_what_lies_on_its_twin_is_not_believed_for_that() -> None:

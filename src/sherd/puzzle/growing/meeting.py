@@ -8,12 +8,13 @@ places, those whose form is most alike, are laid and judged the same way.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
 
 from sherd.arrays import Bools, Ints
+from sherd.correspondence.labels.labeling import Problem
 from sherd.correspondence.labels.places import followed
 from sherd.correspondence.labels.relief_similarity import with_relief
 from sherd.correspondence.labels.two_way import Both, TwoLabelings
@@ -50,7 +51,7 @@ from sherd.results.overlap_options import OverlapOptions
 from sherd.surface.described import DescribedSurface
 from sherd.surface.prepared import described_part
 from sherd.surface.transformed import mirrored, sampled_within
-from sherd.threads import one_blas_thread, side_by_side
+from sherd.threads import cached_property, one_blas_thread, side_by_side
 
 __all__ = ["NOTHING_KNOWN", "Describe", "meeting"]
 
@@ -98,50 +99,82 @@ def meeting(
     if free is not None and free[surfaces[0].sparse.vertices].any():
         known = known[free[surfaces[0].working.working_vertices(known[:, 0])]]
         surfaces = (sampled_within(surfaces[0], free), surfaces[1])
-    answers = one_place(_answers(surfaces, seed, known, free))
-    return beside_their_twins(answers, partial(_mirrored_answers, described, seed))
+    asked = _Asked.of(surfaces, seed, known, free)
+    first_answer = asked.first_answer()
+    answers = [first_answer]
+    if first_answer.chance < JOINED:
+        answers = one_place([first_answer, *asked.further_answers()])
+    return beside_their_twins(answers, partial(_mirrored_answer, described, seed))
 
 
-def _mirrored_answers(surfaces: Both[DescribedSurface], seed: int) -> list[Meeting]:
+def _mirrored_answer(surfaces: Both[DescribedSurface], seed: int) -> Meeting:
     """Of the mirror image of the second surface; nothing is known of it, and no place is taken."""
     image = mirrored(surfaces[1])
     prepare_both_ways(image)
-    return _answers((surfaces[0], image), seed, NOTHING_KNOWN, None)
+    return _Asked.of((surfaces[0], image), seed, NOTHING_KNOWN, None).first_answer()
 
 
-def _answers(
-    surfaces: Both[DescribedSurface], seed: int, known: Ints, free: Bools | None
-) -> list[Meeting]:
-    """What saves most, and further places if that is not sure."""
-    there, back = questions_of(surfaces, known, unknown=False)
-    questions = (
-        replace(there.with_stretch(STRETCH), free=free),
-        back.with_stretch(STRETCH),
-    )
-    by_shot = problems_both_ways(questions, seed)
-    problems = (with_relief(by_shot[0]), with_relief(by_shot[1]))
-    labelings = labeled_both_ways(problems, seed)
-    questions = (
-        replace(questions[0], pins=NO_PINS, free=None),
-        replace(questions[1], pins=NO_PINS),
-    )
-    queries = queries_both_ways(questions, seed)
-    answer = partial(_answer, questions, queries, seed)
-    led = followed(problems, labelings)
-    met = answer(led)
-    if met.chance >= JOINED:
-        return [met]
-    # a pose that stretches the skin leaves little of its relief
-    second = answer(followed(by_shot, labeled_both_ways(by_shot, seed)))
-    if second.chance >= JOINED:
-        return [met, second]
-    forms = (form(questions[0].part.mesh), form(questions[1].part.mesh))
-    begun = labelings_by_form(problems, forms, labelings)
-    tried = [followed(problems, finished_place(problems, each)) for each in begun]
-    if led is not labelings:
-        tried.append(labelings)
-    # of two that are as unlikely the one that saves most comes first
-    return [met, second, *side_by_side(partial(answer, each) for each in tried)]
+@dataclass(frozen=True, eq=False)
+class _Asked:
+    """Two surfaces, and their labels on each other.
+
+    Attributes
+    ----------
+    questions, queries, problems
+        Of both directions.
+    labelings
+        What saves most.
+    seed
+        Of all random choices.
+    """
+
+    questions: Both[Question]
+    queries: Both[Queries]
+    problems: Both[Problem]
+    labelings: TwoLabelings
+    seed: int
+
+    @classmethod
+    def of(
+        cls, surfaces: Both[DescribedSurface], seed: int, known: Ints, free: Bools | None
+    ) -> _Asked:
+        """Label both by normals and by relief; what is known and what is taken rules labels out."""
+        there, back = questions_of(surfaces, known, unknown=False)
+        guided = (replace(there.with_stretch(STRETCH), free=free), back.with_stretch(STRETCH))
+        by_normals = problems_both_ways(guided, seed)
+        problems = (with_relief(by_normals[0]), with_relief(by_normals[1]))
+        questions = (
+            replace(guided[0], pins=NO_PINS, free=None),
+            replace(guided[1], pins=NO_PINS),
+        )
+        return cls(
+            questions,
+            queries_both_ways(questions, seed),
+            problems,
+            labeled_both_ways(problems, seed),
+            seed,
+        )
+
+    @cached_property
+    def led(self) -> TwoLabelings:
+        """What saves most, one direction led by the other where that keeps far less."""
+        return followed(self.problems, self.labelings)
+
+    def first_answer(self) -> Meeting:
+        """Laid where labels save most."""
+        return self._answer(self.led)
+
+    def further_answers(self) -> list[Meeting]:
+        """Laid at other places, those most alike in form."""
+        forms = (form(self.questions[0].part.mesh), form(self.questions[1].part.mesh))
+        begun = labelings_by_form(self.problems, forms, self.labelings)
+        tried = [followed(self.problems, finished_place(self.problems, each)) for each in begun]
+        if self.led is not self.labelings:
+            tried.append(self.labelings)
+        return side_by_side(partial(self._answer, each) for each in tried)
+
+    def _answer(self, labelings: TwoLabelings) -> Meeting:
+        return _answer(self.questions, self.queries, self.seed, labelings)
 
 
 def _answer(

@@ -30,7 +30,7 @@ COMMON = 0.5
 
 
 def beside_their_twins(
-    answers: Sequence[Meeting], asked_mirrored: Callable[[], Sequence[Meeting]]
+    answers: Sequence[Meeting], asked_mirrored: Callable[[], Meeting]
 ) -> Meeting:
     """The likeliest of several answers of which none is sure, by what the mirror image says, too.
 
@@ -53,15 +53,13 @@ def beside_their_twins(
     ]
     if best.chance >= JOINED or not likely:
         return best
-    twins = [
-        each
-        for each in asked_mirrored()
-        if each.by_skin >= JOINED and lies_within(each.questions, each.placements)
-    ]
+    twin = asked_mirrored()
+    if twin.by_skin < JOINED or not lies_within(twin.questions, twin.placements):
+        return best
     raised = [
         replace(each, chance=_raised(each.by_skin), twin=False)
         for each in likely
-        if any(_common(each, twin) < COMMON for twin in twins)
+        if _common(each, twin) < COMMON
     ]
     return max([best, *raised], key=_chance)
 
