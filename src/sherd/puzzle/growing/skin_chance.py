@@ -148,7 +148,8 @@ class _Skin:
     alike
         By how much reliefs are more alike than they must be.
     handed, leading
-        The share of places that are more alike than mirrored, and the share that lead.
+        The share of places that are more alike than mirrored, by normals and by relief, and the
+        share that lead.
     """
 
     seen: float
@@ -183,10 +184,10 @@ def _skin(
     strain = float(np.mean([mean_strain(*each) for each in both]))
     area = shared_area(questions, placements)
     bulging = alike_in_form(questions, placements)
-    handed = _handed(questions, placements, likeness)
-    features = np.array([1.0, handed, likeness.leading, strain, bulging])
+    features = np.array([1.0, likeness.handed, likeness.leading, strain, bulging])
     seen = float(1.0 / (1.0 + np.exp(-features @ np.array(SLID_COEFFICIENTS))))
     alike = alike_in_reliefs(questions, placements) - _least_alike(area)
+    handed = _handed(questions, placements, likeness)
     return _Skin(seen, alike, handed, likeness.leading)
 
 
