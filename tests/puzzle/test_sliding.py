@@ -19,15 +19,10 @@ from sherd.correspondence.shared.round_trip import round_trip
 from sherd.correspondence.shared.two_way_placement import SharedPlacement
 from sherd.mesh.surface_points import closest_points
 from sherd.overlap import questions_of
-from sherd.puzzle.growing import join_chance
+from sherd.puzzle.growing import skin_chance
 from sherd.puzzle.growing.answer import JOINED
-from sherd.puzzle.growing.join_chance import (
-    UNLIKE,
-    SlidChance,
-    chance_as_it_lies,
-    chance_where_it_slid,
-    may_be_right,
-)
+from sherd.puzzle.growing.join_chance import UNLIKE, may_be_right
+from sherd.puzzle.growing.skin_chance import SlidChance, chance_as_it_lies, chance_where_it_slid
 from sherd.puzzle.growing.sliding import slid
 from sherd.results.advice import SURE
 from sherd.results.overlap_options import OverlapOptions
@@ -173,17 +168,18 @@ def test_what_was_sure_is_refused_where_its_slide_says_it_is_something_else(ques
 def test_what_bulges_elsewhere_is_refused_though_all_else_is_right(questions, monkeypatch) -> None:
     """A leg of a cat fits a horse that lacks one, bumps and all."""
     home = half_shared(at_home(questions))
-    monkeypatch.setattr(join_chance, "alike_in_form", lambda *_: 0.0)
+    monkeypatch.setattr(skin_chance, "alike_in_form", lambda *_: 0.0)
     assert slid_chance(0.9, questions, home).chance < SURE
     assert slid_chance(0.0, questions, home).chance < SURE
 
 
-def test_what_is_no_more_alike_than_mirrored_is_not_sure(questions) -> None:
+def test_what_is_no_more_alike_than_mirrored_is_not_sure(questions, monkeypatch) -> None:
     """A foreleg on a hind leg, which is as thick, bulges as it does and is hardly strained."""
     home = half_shared(at_home(questions))
     found = likeness(questions, home)
     assert chance_as_it_lies(questions, home, found).chance > SURE
     mirrored = replace(found, handed=0.6)
+    monkeypatch.setattr(skin_chance, "handed_by_relief", lambda *_: 0.65)
     assert chance_as_it_lies(questions, home, mirrored).chance < 0.1
     assert chance_where_it_slid(0.0, questions, home, mirrored).chance < 0.1
 
@@ -196,7 +192,7 @@ def test_few_places_need_not_lead_where_the_skin_is_surer_than_of_another_one(
     home = half_shared(at_home(questions))
     found = likeness(questions, home)
     few = replace(found, handed=0.85, leading=0.75)
-    monkeypatch.setattr(join_chance, "alike_in_form", lambda *_: form)
+    monkeypatch.setattr(skin_chance, "alike_in_form", lambda *_: form)
     said = chance_as_it_lies(questions, home, few)
     assert (said.chance >= JOINED) is sure
     assert said.by_skin > SURE
@@ -227,7 +223,7 @@ def test_what_lies_within_the_other_is_one_s_own_only_if_the_skin_is_sure(
     """An arm of another person in the same pose is laid on an arm, and is as likely before."""
     home = at_home(questions)
     found = likeness(questions, home)
-    monkeypatch.setattr(join_chance, "alike_in_form", lambda *_: 0.7)
+    monkeypatch.setattr(skin_chance, "alike_in_form", lambda *_: 0.7)
     other = replace(found, handed=0.72, leading=0.95)
     said = chance_where_it_slid(0.9, questions, home, other)
     assert said.by_skin > SURE
@@ -238,9 +234,9 @@ def test_a_place_as_small_as_a_few_bumps_is_alike_by_accident(questions, monkeyp
     """On a ring of a horse's leg a cat's may have the same three bumps."""
     home = half_shared(at_home(questions))
     found = likeness(questions, home)
-    monkeypatch.setattr(join_chance, "alike_in_reliefs", lambda *_: 0.8)
+    monkeypatch.setattr(skin_chance, "alike_in_reliefs", lambda *_: 0.8)
     for area, sure in ((0.1, True), (0.02, False)):
-        monkeypatch.setattr(join_chance, "shared_area", lambda *_, area=area: area)
+        monkeypatch.setattr(skin_chance, "shared_area", lambda *_, area=area: area)
         assert (chance_as_it_lies(questions, home, found).chance >= JOINED) is sure
 
 

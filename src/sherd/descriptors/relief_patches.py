@@ -31,7 +31,7 @@ from sherd.descriptors.relief import relief_and_bulge
 from sherd.mesh.topology import adjacency
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.spectral.optical_flow import ranks
-from sherd.threads import over_rows, side_by_side
+from sherd.threads import one_blas_thread, over_rows, side_by_side
 
 __all__ = ["SHIFTS", "ReliefPatches", "patch_similarity", "relief_patches", "relief_pictures"]
 
@@ -134,6 +134,7 @@ def relief_patches(
     return ReliefPatches(means.astype(np.float32), seen.astype(np.float32))
 
 
+@one_blas_thread()  # shifts are side by side already; products this small are far slower on two
 def patch_similarity(
     full: ReliefPatches, part: ReliefPatches, cells: Ints, cell_count: int
 ) -> Singles:
