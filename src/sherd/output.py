@@ -131,8 +131,7 @@ class Stages:
     @contextlib.contextmanager
     def __call__(self, name: str) -> Iterator[None]:
         """Time the block as stage `name`; a repeated name adds up."""
-        if self._bar is not None:
-            self._bar.set_description_str(name)
+        self.show(name)
         start = time.perf_counter()
         try:
             yield

@@ -133,7 +133,7 @@ def test_skin_is_found_again_in_another_pose(standing: TriangleMesh, walking: Tr
 
 
 def test_patches_are_compared_where_both_are_seen(standing: TriangleMesh) -> None:
-    # one sees what is to the left of a plane through it, the other one what is above another plane
+    # one sees all around, the other one what is above a plane
     height = standing.vertices[:, 2] - np.median(standing.vertices[QUERIES, 2])
     cut = np.clip(height, 0.0, None)
     queries = QUERIES[(height[QUERIES] > 0.0) & (height[QUERIES] < 0.05)]

@@ -10,7 +10,7 @@ import math
 import numpy as np
 
 from sherd.compiled import compiled
-from sherd.spectral.heap_kernel import rise, sink
+from sherd.spectral.heap_kernel import lower, pop
 
 __all__ = ["polar_means"]
 
@@ -38,11 +38,8 @@ def polar_means(  # noqa: PLR0913
         heap[0], place[source], reached[0] = source, 0, source
         filled, count = 1, 1
         while filled > 0:
-            vertex = heap[0]
-            place[vertex] = -1
+            vertex = pop(heap, place, away, filled)
             filled -= 1
-            if filled > 0:
-                sink(heap, place, away, heap[filled], filled)
             done[vertex] = 1
             if away[vertex] > reach:
                 continue
@@ -61,10 +58,7 @@ def polar_means(  # noqa: PLR0913
                         count += 1
                     away[other], flat[other, 0], flat[other, 1] = distance, x, y
                     _carry(normal, normals[other], axes, vertex, other)
-                    if place[other] < 0:
-                        place[other] = filled
-                        filled += 1
-                    rise(heap, place, away, other)
+                    filled = lower(heap, place, away, other, filled)
         for entry in range(count):
             away[reached[entry]], done[reached[entry]] = np.inf, 0
     _divide(rows, means, seen)

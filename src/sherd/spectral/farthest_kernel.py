@@ -6,7 +6,7 @@ import numpy as np
 
 from sherd.arrays import Floats, Ints
 from sherd.compiled import compiled
-from sherd.spectral.heap_kernel import rise, sink
+from sherd.spectral.heap_kernel import lower, pop
 
 __all__ = ["farthest_along_paths", "farthest_in_space"]
 
@@ -52,20 +52,14 @@ def farthest_along_paths(starts, neighbors, lengths, ranks, count, start):
         heap[0], place[current] = current, 0
         filled = 1
         while filled > 0:
-            vertex = heap[0]
-            place[vertex] = -1
+            vertex = pop(heap, place, nearest, filled)
             filled -= 1
-            if filled > 0:
-                sink(heap, place, nearest, heap[filled], filled)
             for entry in range(starts[vertex], starts[vertex + 1]):
                 other = neighbors[entry]
                 distance = nearest[vertex] + lengths[entry]
                 if distance < nearest[other]:
                     nearest[other] = distance
-                    if place[other] < 0:
-                        place[other] = filled
-                        filled += 1
-                    rise(heap, place, nearest, other)
+                    filled = lower(heap, place, nearest, other, filled)
         current = _farthest(nearest, taken, ranks)
     return chosen
 

@@ -7,11 +7,31 @@ from __future__ import annotations
 
 from sherd.compiled import compiled
 
-__all__ = ["rise", "sink"]
+__all__ = ["lower", "pop"]
 
 
 @compiled()
-def rise(heap, place, keys, item):
+def pop(heap, place, keys, filled):
+    """The item of the smallest key, taken out of a heap of `filled` entries."""
+    item = heap[0]
+    place[item] = -1
+    if filled > 1:
+        _sink(heap, place, keys, heap[filled - 1], filled - 1)
+    return item
+
+
+@compiled()
+def lower(heap, place, keys, item, filled):
+    """Put an item, new or with a smaller key than before, where it belongs; entries then."""
+    if place[item] < 0:
+        place[item] = filled
+        filled += 1
+    _rise(heap, place, keys, item)
+    return filled
+
+
+@compiled()
+def _rise(heap, place, keys, item):
     """Move `item`, at its place in the heap, up to where it belongs."""
     at = place[item]
     while at > 0:
@@ -26,7 +46,7 @@ def rise(heap, place, keys, item):
 
 
 @compiled()
-def sink(heap, place, keys, item, filled):
+def _sink(heap, place, keys, item, filled):
     """Put `item` at the top of a heap of `filled` entries and move it down."""
     at = 0
     while 2 * at + 1 < filled:
