@@ -41,6 +41,10 @@ class Meeting:
         Whether what they share is laid on its twin, as a left leg on a right one.
     by_skin
         The chance by the skin alone that is shared where it slid to; 0 where nothing slid.
+    fitting
+        That by all but reliefs.
+    leads
+        Whether so many places lead that it may lie there, or beside its place.
     """
 
     questions: Both[Question]
@@ -49,6 +53,8 @@ class Meeting:
     chance: float
     twin: bool
     by_skin: float = 0.0
+    fitting: float = 0.0
+    leads: bool = False
 
 
 def one_place(answers: Sequence[Meeting]) -> list[Meeting]:

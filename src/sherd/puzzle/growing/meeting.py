@@ -38,6 +38,7 @@ from sherd.overlap import (
 from sherd.puzzle.growing.answer import JOINED, Meeting, one_place
 from sherd.puzzle.growing.join_chance import (
     LIKELY,
+    enough_lead,
     fits_a_twin,
     join_chance,
     join_features,
@@ -104,7 +105,8 @@ def meeting(
     answers = [first_answer]
     if first_answer.chance < JOINED:
         answers = one_place([first_answer, *asked.further_answers()])
-    return beside_their_twins(answers, partial(_mirrored_answer, described, seed))
+    mirrored_answer = partial(_mirrored_answer, described, seed)
+    return beside_their_twins(answers, mirrored_answer, taken=None if free is None else ~free)
 
 
 def _mirrored_answer(surfaces: Both[DescribedSurface], seed: int) -> Meeting:
@@ -184,10 +186,12 @@ def _answer(
     placements = placed_together(questions, labelings, queries, strain=OverlapOptions().strain)
     likeness = likeness_of_both(questions, placements)
     features = join_features(labelings, questions, placements, likeness, seed)
-    met = Meeting(questions, queries, placements, join_chance(features), fits_a_twin(features))
     skin = SlidChance(0.0, 0.0)
     if may_lie_right(features):
         skin = chance_as_it_lies(questions, placements, likeness)
+    twin = fits_a_twin(features) or skin.turned
+    chance, leads = join_chance(features), enough_lead(features)
+    met = Meeting(questions, queries, placements, chance, twin, fitting=skin.fitting, leads=leads)
     return _slid(met, skin) if may_be_right(features) or skin.by_skin >= LIKELY else met
 
 
@@ -215,7 +219,7 @@ def _slid(met: Meeting, skin: SlidChance) -> Meeting:
 def _judged(met: Meeting, said: SlidChance) -> Meeting:
     """What lies where skin made it sure is not laid on its twin."""
     twin = met.twin and said.chance < JOINED
-    return replace(met, chance=said.chance, twin=twin, by_skin=said.by_skin)
+    return replace(met, chance=said.chance, twin=twin, by_skin=said.by_skin, fitting=said.fitting)
 
 
 def _free(surface: DescribedSurface, mesh: TriangleMesh, taken: Bools) -> Bools:

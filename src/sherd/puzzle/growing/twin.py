@@ -14,9 +14,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from sherd.arrays import Bools
 from sherd.correspondence.confidence import LEAST, MOST
 from sherd.puzzle.growing.answer import JOINED, Meeting
-from sherd.puzzle.growing.join_chance import lies_within
+from sherd.puzzle.growing.join_chance import ends_with_one, lies_within
 
 __all__ = ["beside_their_twins"]
 
@@ -30,38 +31,50 @@ COMMON = 0.5
 
 
 def beside_their_twins(
-    answers: Sequence[Meeting], asked_mirrored: Callable[[], Meeting]
+    answers: Sequence[Meeting], asked_mirrored: Callable[[], Meeting], taken: Bools | None
 ) -> Meeting:
     """The likeliest of several answers of which none is sure, by what the mirror image says, too.
 
     What lies beside the place of the mirror image, and could be sure by that, has TWIN_ODDS times
-    the odds of what is seen of its skin. That few of its places lead is no evidence then, as they
-    look like those of its twin; and nor is it that one of two places is more alike.
+    the odds of what is seen of its skin but for reliefs. That few of its places lead is no evidence
+    then, as they look like those of its twin; nor is it that one of two places is more alike, or
+    that a rim has few bumps.
+
+    Where the piece itself was laid on that place before, too, which is taken then, it is a limb and
+    lies on its twin. What is laid first of all beside that, with enough places that lead, and ends
+    where one of both pieces ends, is as sure as that the twin is one: joints bend beside a rim, so
+    of the skin that is shared there often nothing can be told.
 
     Parameters
     ----------
     answers
-        At least one.
+        At least one; the first one is what saves most.
     asked_mirrored
         Asks the same of the mirror image of the second surface.
+    taken
+        Vertices (m,) of the first surface's working mesh where nothing was laid as the second one
+        was there before; none if None.
     """
-    best = max(answers, key=_chance)
-    likely = [
-        each
-        for each in answers
-        if _raised(each.by_skin) >= JOINED and not lies_within(each.questions, each.placements)
-    ]
-    if best.chance >= JOINED or not likely:
+    best, first = max(answers, key=_chance), answers[0]
+    beside = [each for each in answers if not lies_within(each.questions, each.placements)]
+    likely = [each for each in beside if _raised(each.fitting) >= JOINED]
+    ending = 0.0
+    if taken is not None and first in beside and first.leads:
+        ending = ends_with_one(first.questions, first.placements)
+    if best.chance >= JOINED or (not likely and ending < JOINED):
         return best
     twin = asked_mirrored()
     if twin.by_skin < JOINED or not lies_within(twin.questions, twin.placements):
         return best
-    raised = [
-        replace(each, chance=_raised(each.by_skin), twin=False)
-        for each in likely
-        if _common(each, twin) < COMMON
+    raised = [(each, _raised(each.fitting)) for each in likely]
+    if taken is not None and _share(twin, taken) > COMMON:
+        raised.append((first, ending * twin.by_skin))
+    sure = [
+        replace(each, chance=chance, twin=False)
+        for each, chance in raised
+        if _share(each, twin.placements[1].shared) < COMMON
     ]
-    return max([best, *raised], key=_chance)
+    return max([best, *sure], key=_chance)
 
 
 def _raised(chance: float) -> float:
@@ -69,11 +82,11 @@ def _raised(chance: float) -> float:
     return float(np.clip(odds / (1.0 + odds), LEAST, MOST))
 
 
-def _common(answer: Meeting, twin: Meeting) -> float:
-    """The share of an answer's place on the first surface where the mirror image lies, too."""
+def _share(answer: Meeting, region: Bools) -> float:
+    """The share of an answer's place on the first surface that is in a region (m,)."""
     areas = answer.questions[0].full.mesh.vertex_areas
     place = areas * answer.placements[1].shared
-    return float(place @ twin.placements[1].shared / max(place.sum(), 1e-12))
+    return float(place @ region / max(place.sum(), 1e-12))
 
 
 def _chance(met: Meeting) -> float:
