@@ -21,7 +21,7 @@ from sherd.mesh.surface_points import closest_points
 from sherd.overlap import questions_of
 from sherd.puzzle.growing import skin_chance
 from sherd.puzzle.growing.answer import JOINED
-from sherd.puzzle.growing.join_chance import UNLIKE, may_be_right
+from sherd.puzzle.growing.join_chance import UNLIKE, ends_with_one, may_be_right
 from sherd.puzzle.growing.skin_chance import SlidChance, chance_as_it_lies, chance_where_it_slid
 from sherd.puzzle.growing.sliding import slid
 from sherd.results.advice import SURE
@@ -133,6 +133,12 @@ def slid_chance(
     return chance_where_it_slid(before, questions, placements, found)
 
 
+@pytest.fixture(autouse=True)
+def cut(monkeypatch) -> None:
+    """What is shared ends where a piece does, which `half_shared` does not cut."""
+    monkeypatch.setattr(skin_chance, "ends_with_one", lambda *_: 1.0)
+
+
 def half_shared(placements: Both[SharedPlacement]) -> Both[SharedPlacement]:
     """Neither shape lies within the other."""
     for place in placements:
@@ -182,6 +188,28 @@ def test_what_is_no_more_alike_than_mirrored_is_not_sure(questions, monkeypatch)
     monkeypatch.setattr(skin_chance, "handed_by_relief", lambda *_: 0.65)
     assert chance_as_it_lies(questions, home, mirrored).chance < 0.1
     assert chance_where_it_slid(0.0, questions, home, mirrored).chance < 0.1
+
+
+def test_what_goes_on_in_both_beyond_what_they_share_is_not_sure(questions, monkeypatch) -> None:
+    """Two forelegs with their shoulders: the legs are alike, and the shoulders lie apart."""
+    monkeypatch.setattr(skin_chance, "ends_with_one", ends_with_one)
+    home = half_shared(at_home(questions))
+    found = likeness(questions, home)
+    assert chance_as_it_lies(questions, home, found).chance < 0.1
+    assert chance_where_it_slid(0.0, questions, home, found).chance < 0.1
+
+
+@pytest.mark.parametrize(("handed", "turned"), [(0.45, True), (0.55, False)])
+def test_what_is_more_alike_mirrored_lies_on_its_twin(
+    questions, monkeypatch, handed: float, turned: bool
+) -> None:
+    """A left leg on a right one, within what is joined, with all of its bumps."""
+    monkeypatch.setattr(skin_chance, "handed_by_relief", lambda *_: handed)
+    home = at_home(questions)
+    mirrored = replace(likeness(questions, home), handed=handed)
+    assert chance_as_it_lies(questions, home, mirrored).turned is turned
+    half = half_shared(home)
+    assert not chance_as_it_lies(questions, half, mirrored).turned
 
 
 @pytest.mark.parametrize(("form", "sure"), [(1.0, True), (0.4, False)])
