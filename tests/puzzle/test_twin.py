@@ -11,7 +11,7 @@ import pytest
 
 from sherd.puzzle.growing import twin as module
 from sherd.puzzle.growing.answer import Meeting
-from sherd.puzzle.growing.twin import beside_their_twins
+from sherd.puzzle.growing.twin import beside_their_twins, differing_quantiles
 from sherd.results.advice import SURE
 
 # Of ten vertices of one area each the first four are where a limb is missing, the last four are its
@@ -22,9 +22,10 @@ TWIN = np.arange(10) >= 6
 
 @pytest.fixture(autouse=True)
 def within(monkeypatch) -> None:
-    """What lies on the twin lies within it, and all else ends with the hole."""
+    """What lies on the twin lies within it; all else ends with the hole, as far from the rest."""
     monkeypatch.setattr(module, "lies_within", lambda _, placed: bool(placed[1].shared[-1]))
     monkeypatch.setattr(module, "ends_with_one", lambda *_: 0.99)
+    monkeypatch.setattr(module, "_off_by_distances", lambda *_: 0.01)
 
 
 def met(
@@ -45,7 +46,7 @@ def never() -> Meeting:
 
 def test_a_limb_beside_its_twin_is_sure() -> None:
     limb, wrong = met(HOLE, 0.01, 0.3), met(TWIN, 0.2, 0.2, twin=True)
-    found = beside_their_twins([wrong, limb], lambda: met(TWIN, 0.9, 0.9), None)
+    found = beside_their_twins([wrong, limb], lambda: met(TWIN, 0.9, 0.9))
     assert found.placements is limb.placements
     assert found.chance == pytest.approx(0.3 / 0.7 * 10 / (1 + 0.3 / 0.7 * 10))
     assert found.chance >= SURE
@@ -57,47 +58,47 @@ def test_a_limb_beside_its_twin_is_sure() -> None:
 def test_without_a_sure_twin_elsewhere_it_stays_as_it_was(image: Meeting) -> None:
     """A mirror image that is hardly alike, or lies where the limb does, says nothing."""
     limb = met(HOLE, 0.1, 0.3)
-    assert beside_their_twins([limb], lambda: image, None).chance == 0.1
+    assert beside_their_twins([limb], lambda: image).chance == 0.1
 
 
 def test_what_lies_on_its_twin_is_not_believed_for_that() -> None:
     wrong = met(TWIN, 0.2, 0.9, twin=True)
-    assert beside_their_twins([wrong], never, None).chance == 0.2
+    assert beside_their_twins([wrong], never).chance == 0.2
 
 
 def test_who_is_sure_or_cannot_be_is_not_asked_again() -> None:
     sure, unlikely = met(HOLE, 0.9, 0.9), met(HOLE, 0.1, 0.05)
-    assert beside_their_twins([sure], never, None) is sure
-    assert beside_their_twins([unlikely], never, None) is unlikely
+    assert beside_their_twins([sure], never) is sure
+    assert beside_their_twins([unlikely], never) is unlikely
 
 
 def test_that_a_rim_has_few_bumps_is_no_evidence_beside_a_twin() -> None:
     """Its skin but for reliefs counts."""
     limb = replace(met(HOLE, 0.01, 0.0), fitting=0.9)
-    assert beside_their_twins([limb], lambda: met(TWIN, 0.9, 0.9), None).chance >= SURE
+    assert beside_their_twins([limb], lambda: met(TWIN, 0.9, 0.9)).chance >= SURE
 
 
-def test_a_limb_that_lay_on_its_twin_is_as_sure_beside_it_as_the_twin_is() -> None:
+def test_what_saves_most_beside_its_twin_is_as_sure_as_the_twin_is() -> None:
     """What it shares there may be bent beyond recognition."""
     limb = met(HOLE, 0.01, 0.0, leads=True)
     image = met(TWIN, 0.01, 0.94)
-    found = beside_their_twins([limb], lambda: image, TWIN)
+    found = beside_their_twins([limb], lambda: image)
     assert found.placements is limb.placements
     assert found.chance == pytest.approx(0.94 * 0.99)
 
 
-@pytest.mark.parametrize("taken", [None, np.zeros(10, dtype=bool), HOLE])
-def test_a_limb_that_lay_elsewhere_or_nowhere_before_is_not(taken: np.ndarray | None) -> None:
+def test_not_where_it_is_farther_from_the_rest_than_its_twin_is(monkeypatch) -> None:
+    monkeypatch.setattr(module, "_off_by_distances", lambda *_: 0.06)
     limb = met(HOLE, 0.01, 0.0, leads=True)
-    assert beside_their_twins([limb], lambda: met(TWIN, 0.9, 0.94), taken).chance == 0.01
+    assert beside_their_twins([limb], lambda: met(TWIN, 0.9, 0.94)).chance == 0.01
 
 
 def test_only_what_was_laid_first_leads_and_ends_with_a_piece_is_believed_so(monkeypatch) -> None:
     limb = met(HOLE, 0.01, 0.0, leads=True)
     few = met(HOLE, 0.01, 0.0)
-    assert beside_their_twins([few, limb], never, TWIN).chance == 0.01
+    assert beside_their_twins([few, limb], never).chance == 0.01
     monkeypatch.setattr(module, "ends_with_one", lambda *_: 0.1)
-    assert beside_their_twins([limb], never, TWIN).chance == 0.01
+    assert beside_their_twins([limb], never).chance == 0.01
 
 
 @pytest.mark.parametrize(
@@ -105,4 +106,14 @@ def test_only_what_was_laid_first_leads_and_ends_with_a_piece_is_believed_so(mon
 )
 def test_nor_where_the_mirror_image_does_not_surely_lie_there(image: Meeting) -> None:
     limb = met(HOLE, 0.01, 0.0, leads=True)
-    assert beside_their_twins([limb], lambda: image, TWIN).chance == 0.01
+    assert beside_their_twins([limb], lambda: image).chance == 0.01
+
+
+@pytest.mark.parametrize(("at", "alike"), [(1, True), (3, False)])
+def test_both_sides_of_a_line_are_as_far_from_all_between(at: int, alike: bool) -> None:
+    """Eleven places in a row; the two at either end do not count."""
+    places = np.arange(11.0)
+    between = np.abs(places[:, None] - places)
+    weights = np.isin(places, (0, 1, 9, 10), invert=True)
+    found = differing_quantiles(between[[at]], between[[9]], weights)
+    assert (found < 0.1) is alike

@@ -105,8 +105,7 @@ def meeting(
     answers = [first_answer]
     if first_answer.chance < JOINED:
         answers = one_place([first_answer, *asked.further_answers()])
-    mirrored_answer = partial(_mirrored_answer, described, seed)
-    return beside_their_twins(answers, mirrored_answer, taken=None if free is None else ~free)
+    return beside_their_twins(answers, partial(_mirrored_answer, described, seed))
 
 
 def _mirrored_answer(surfaces: Both[DescribedSurface], seed: int) -> Meeting:

@@ -9,17 +9,21 @@ alike. The twin tells, since it has all of the limb.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from sherd.arrays import Bools
+from sherd.arrays import Floats, Ints
 from sherd.correspondence.confidence import LEAST, MOST
+from sherd.correspondence.shared.two_way_placement import SharedPlacement
 from sherd.puzzle.growing.answer import JOINED, Meeting
 from sherd.puzzle.growing.join_chance import ends_with_one, lies_within
+from sherd.surface.described import DescribedSurface
 
-__all__ = ["beside_their_twins"]
+__all__ = ["beside_their_twins", "differing_quantiles"]
 
 # How many times as likely it is that a limb belongs there, if its mirror image surely lies on what
 # is there. Five bodies that lack a limb were asked for its mirror image: their own surely lies on
@@ -28,10 +32,17 @@ __all__ = ["beside_their_twins"]
 TWIN_ODDS = 10.0
 # More of a place than this is not beside another one.
 COMMON = 0.5
+# What has two sides is as far from all else on both, on average and by quantiles, but for what a
+# union is bent by and answers are off: 0.003 to 0.007 for four limbs of two men and a horse that
+# lie 0.3 to 0.9 off on bodies of one piece, 0.033 and 0.040 for legs of two men that lie 1.7 and
+# 2.5 off on unions of five pieces. A foreleg of a horse at a hind leg's place has 0.064.
+AS_FAR = 0.05
+# Distances are compared at so many of their quantiles, from so many nodes.
+QUANTILES, MOST_NODES = 25, 100
 
 
 def beside_their_twins(
-    answers: Sequence[Meeting], asked_mirrored: Callable[[], Meeting], taken: Bools | None
+    answers: Sequence[Meeting], asked_mirrored: Callable[[], Meeting]
 ) -> Meeting:
     """The likeliest of several answers of which none is sure, by what the mirror image says, too.
 
@@ -40,10 +51,10 @@ def beside_their_twins(
     then, as they look like those of its twin; nor is it that one of two places is more alike, or
     that a rim has few bumps.
 
-    Where the piece itself was laid on that place before, too, which is taken then, it is a limb and
-    lies on its twin. What is laid first of all beside that, with enough places that lead, and ends
-    where one of both pieces ends, is as sure as that the twin is one: joints bend beside a rim, so
-    of the skin that is shared there often nothing can be told.
+    What saves most lies right but for the twin's sake if enough places lead, if what is shared ends
+    where one of both pieces ends, and if it is as far there from all else as its twin is. It is as
+    sure as that the twin is one then: joints bend beside a rim, so the skin that is shared there
+    often tells nothing.
 
     Parameters
     ----------
@@ -51,15 +62,12 @@ def beside_their_twins(
         At least one; the first one is what saves most.
     asked_mirrored
         Asks the same of the mirror image of the second surface.
-    taken
-        Vertices (m,) of the first surface's working mesh where nothing was laid as the second one
-        was there before; none if None.
     """
     best, first = max(answers, key=_chance), answers[0]
     beside = [each for each in answers if not lies_within(each.questions, each.placements)]
     likely = [each for each in beside if _raised(each.fitting) >= JOINED]
     ending = 0.0
-    if taken is not None and first in beside and first.leads:
+    if first in beside and first.leads:
         ending = ends_with_one(first.questions, first.placements)
     if best.chance >= JOINED or (not likely and ending < JOINED):
         return best
@@ -67,12 +75,12 @@ def beside_their_twins(
     if twin.by_skin < JOINED or not lies_within(twin.questions, twin.placements):
         return best
     raised = [(each, _raised(each.fitting)) for each in likely]
-    if taken is not None and _share(twin, taken) > COMMON:
+    if ending >= JOINED and _off_by_distances(first, twin) < AS_FAR:
         raised.append((first, ending * twin.by_skin))
     sure = [
         replace(each, chance=chance, twin=False)
         for each, chance in raised
-        if _share(each, twin.placements[1].shared) < COMMON
+        if _common(each, twin) < COMMON
     ]
     return max([best, *sure], key=_chance)
 
@@ -82,11 +90,53 @@ def _raised(chance: float) -> float:
     return float(np.clip(odds / (1.0 + odds), LEAST, MOST))
 
 
-def _share(answer: Meeting, region: Bools) -> float:
-    """The share of an answer's place on the first surface that is in a region (m,)."""
+def _common(answer: Meeting, twin: Meeting) -> float:
+    """The share of an answer's place on the first surface where the mirror image lies, too."""
     areas = answer.questions[0].full.mesh.vertex_areas
     place = areas * answer.placements[1].shared
-    return float(place @ region / max(place.sum(), 1e-12))
+    return float(place @ twin.placements[1].shared / max(place.sum(), 1e-12))
+
+
+def _off_by_distances(answer: Meeting, twin: Meeting) -> float:
+    """How much distances to the rest of the first surface differ there and at the twin's place.
+
+    Mean difference of their quantiles, by area, over nodes that both placements lay; infinite where
+    there are none.
+    """
+    full, part = twin.questions[0].full, answer.questions[0].part
+    here, there = answer.placements[0], twin.placements[0]
+    nodes = part.sparse.vertices[part.sparse.farthest_first]
+    nodes = nodes[here.shared[nodes] & there.shared[nodes]][:MOST_NODES]
+    rest = full.mesh.vertex_areas * ~(answer.placements[1].shared | twin.placements[1].shared)
+    weights = np.bincount(full.dense.cells, rest, minlength=len(full.dense))
+    if not len(nodes) or not weights.any():
+        return math.inf
+    own, its = (_from_nodes(full, place, nodes) for place in (here, there))
+    return differing_quantiles(own, its, weights)
+
+
+def _from_nodes(full: DescribedSurface, place: SharedPlacement, nodes: Ints) -> Floats:
+    """Distances (q, n) from where nodes (q,) lie to all labels."""
+    feet = place.trip.points[nodes].nearest_vertices(full.mesh)
+    distances: Floats = full.dense.between[full.dense.cells[feet]].astype(np.float64)
+    return distances
+
+
+def differing_quantiles(first: Floats, second: Floats, weights: ArrayLike) -> float:
+    """Mean difference of the quantiles of each row of two arrays (q, n), by weights (n,)."""
+    of_all = np.asarray(weights, dtype=np.float64)
+    own, its = (_quantiles(values, of_all) for values in (first, second))
+    return float(np.abs(own - its).mean())
+
+
+def _quantiles(values: Floats, weights: Floats) -> Floats:
+    """(q, QUANTILES) of each row (q, n), by weights (n,)."""
+    levels = (np.arange(QUANTILES) + 0.5) / QUANTILES
+    order = np.argsort(values, axis=1)
+    reached = np.cumsum(weights[order], axis=1) / weights.sum()
+    ordered = np.take_along_axis(values, order, axis=1)
+    rows = zip(reached, ordered, strict=True)
+    return np.array([np.interp(levels, share, row) for share, row in rows])
 
 
 def _chance(met: Meeting) -> float:
