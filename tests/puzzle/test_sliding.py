@@ -82,11 +82,59 @@ def moved(questions: Both[Question], placements: Both[SharedPlacement]) -> Both[
     return slid(questions, placements, strain=OverlapOptions().strain)
 
 
-def test_what_lies_beside_its_place_slides_to_it(questions) -> None:
+def likeness(questions: Both[Question], placements: Both[SharedPlacement]) -> Likeness:
+    found = likeness_of_both(questions, placements)
+    assert found is not None
+    return found
+
+
+# Placements and what they look like take seconds each, and no test changes them.
+
+
+@pytest.fixture(scope="module")
+def home(questions) -> Both[SharedPlacement]:
+    return laid(questions, (true_places(questions[0]), true_places(questions[1])))
+
+
+@pytest.fixture(scope="module")
+def home_likeness(questions, home) -> Likeness:
+    return likeness(questions, home)
+
+
+@pytest.fixture(scope="module")
+def half(home) -> Both[SharedPlacement]:
+    return half_shared(home)
+
+
+@pytest.fixture(scope="module")
+def half_likeness(questions, half) -> Likeness:
+    return likeness(questions, half)
+
+
+@pytest.fixture(scope="module")
+def beside(questions) -> Both[SharedPlacement]:
     truths = [true_places(question) for question in questions]
     forward = np.eye(3)[np.ptp(truths[0], axis=0).argmax()]
-    beside = laid(questions, (truths[0] + BESIDE * forward, truths[1] - BESIDE * forward))
-    found = moved(questions, beside)
+    return laid(questions, (truths[0] + BESIDE * forward, truths[1] - BESIDE * forward))
+
+
+@pytest.fixture(scope="module")
+def slid_home(questions, beside) -> Both[SharedPlacement]:
+    return moved(questions, beside)
+
+
+@pytest.fixture(scope="module")
+def elsewhere(questions) -> Both[SharedPlacement]:
+    """What was laid turned over slides to what is most alike there."""
+    images = []
+    for question in questions:
+        center = question.full.mesh.vertices.mean(axis=0)
+        images.append((true_places(question) - center) * HALF_TURN + center)
+    return moved(questions, laid(questions, (images[0], images[1])))
+
+
+def test_what_lies_beside_its_place_slides_to_it(questions, beside, slid_home) -> None:
+    found = slid_home
     assert error(questions, beside) > 0.6 * BESIDE
     assert error(questions, found) < 0.4 * error(questions, beside)
     assert alike_in_relief(questions, found) > alike_in_relief(questions, beside) + 0.2
@@ -94,36 +142,17 @@ def test_what_lies_beside_its_place_slides_to_it(questions) -> None:
         assert place.shared.mean() > 0.8
 
 
-def test_what_lies_right_stays(questions) -> None:
-    images = (true_places(questions[0]), true_places(questions[1]))
-    assert error(questions, moved(questions, laid(questions, images))) < 0.01
+def test_what_lies_right_stays(questions, home) -> None:
+    assert error(questions, moved(questions, home)) < 0.01
 
 
-def test_what_lies_elsewhere_finds_no_relief_to_slide_to(questions) -> None:
-    images = []
-    for question in questions:
-        center = question.full.mesh.vertices.mean(axis=0)
-        images.append((true_places(question) - center) * HALF_TURN + center)
-    found = moved(questions, laid(questions, (images[0], images[1])))
-    assert alike_in_relief(questions, found) < UNLIKE
+def test_what_lies_elsewhere_finds_no_relief_to_slide_to(questions, elsewhere) -> None:
+    assert alike_in_relief(questions, elsewhere) < UNLIKE
 
 
-def test_where_nothing_is_shared_nothing_moves(questions) -> None:
-    images = (true_places(questions[0]), true_places(questions[1]))
-    apart = laid(questions, images)
-    for place in apart:
-        place.shared[:] = False
+def test_where_nothing_is_shared_nothing_moves(questions, home) -> None:
+    apart = tuple(replace(place, shared=np.zeros_like(place.shared)) for place in home)
     assert moved(questions, apart) is apart
-
-
-def at_home(questions: Both[Question]) -> Both[SharedPlacement]:
-    return laid(questions, (true_places(questions[0]), true_places(questions[1])))
-
-
-def likeness(questions: Both[Question], placements: Both[SharedPlacement]) -> Likeness:
-    found = likeness_of_both(questions, placements)
-    assert found is not None
-    return found
 
 
 def slid_chance(
@@ -141,131 +170,119 @@ def cut(monkeypatch) -> None:
 
 def half_shared(placements: Both[SharedPlacement]) -> Both[SharedPlacement]:
     """Neither shape lies within the other."""
-    for place in placements:
-        place.shared[: len(place.shared) // 2] = False
-    return placements
+    first, second = (
+        replace(
+            place, shared=place.shared & (np.arange(len(place.shared)) >= len(place.shared) // 2)
+        )
+        for place in placements
+    )
+    return first, second
 
 
-def turned_over(questions: Both[Question]) -> Both[SharedPlacement]:
-    images = []
-    for question in questions:
-        center = question.full.mesh.vertices.mean(axis=0)
-        images.append((true_places(question) - center) * HALF_TURN + center)
-    return laid(questions, (images[0], images[1]))
+def test_what_slid_home_is_sure_and_what_slid_elsewhere_is_not(
+    questions, slid_home, elsewhere
+) -> None:
+    assert slid_chance(0.0, questions, half_shared(slid_home)).chance > SURE
+    assert slid_chance(0.0, questions, half_shared(elsewhere)).chance < 0.1
 
 
-def test_what_slid_home_is_sure_and_what_slid_elsewhere_is_not(questions) -> None:
-    truths = [true_places(question) for question in questions]
-    forward = np.eye(3)[np.ptp(truths[0], axis=0).argmax()]
-    beside = laid(questions, (truths[0] + BESIDE * forward, truths[1] - BESIDE * forward))
-    home = half_shared(moved(questions, beside))
-    assert slid_chance(0.0, questions, home).chance > SURE
-    elsewhere = half_shared(moved(questions, turned_over(questions)))
-    assert slid_chance(0.0, questions, elsewhere).chance < 0.1
+def test_what_was_sure_is_refused_where_its_slide_says_it_is_something_else(
+    questions, elsewhere, half, half_likeness
+) -> None:
+    assert slid_chance(0.9, questions, half_shared(elsewhere)).chance < 0.5
+    assert chance_where_it_slid(0.9, questions, half, half_likeness).chance >= 0.9
 
 
-def test_what_was_sure_is_refused_where_its_slide_says_it_is_something_else(questions) -> None:
-    elsewhere = half_shared(moved(questions, turned_over(questions)))
-    assert slid_chance(0.9, questions, elsewhere).chance < 0.5
-    home = half_shared(at_home(questions))
-    assert slid_chance(0.9, questions, home).chance >= 0.9
-
-
-def test_what_bulges_elsewhere_is_refused_though_all_else_is_right(questions, monkeypatch) -> None:
+def test_what_bulges_elsewhere_is_refused_though_all_else_is_right(
+    questions, half, half_likeness, monkeypatch
+) -> None:
     """A leg of a cat fits a horse that lacks one, bumps and all."""
-    home = half_shared(at_home(questions))
     monkeypatch.setattr(skin_chance, "alike_in_form", lambda *_: 0.0)
-    assert slid_chance(0.9, questions, home).chance < SURE
-    assert slid_chance(0.0, questions, home).chance < SURE
+    for before in (0.9, 0.0):
+        assert chance_where_it_slid(before, questions, half, half_likeness).chance < SURE
 
 
-def test_what_is_no_more_alike_than_mirrored_is_not_sure(questions, monkeypatch) -> None:
+def test_what_is_no_more_alike_than_mirrored_is_not_sure(
+    questions, half, half_likeness, monkeypatch
+) -> None:
     """A foreleg on a hind leg, which is as thick, bulges as it does and is hardly strained."""
-    home = half_shared(at_home(questions))
-    found = likeness(questions, home)
-    assert chance_as_it_lies(questions, home, found).chance > SURE
-    mirrored = replace(found, handed=0.6)
+    assert chance_as_it_lies(questions, half, half_likeness).chance > SURE
+    mirrored = replace(half_likeness, handed=0.6)
     monkeypatch.setattr(skin_chance, "handed_by_relief", lambda *_: 0.65)
-    assert chance_as_it_lies(questions, home, mirrored).chance < 0.1
-    assert chance_where_it_slid(0.0, questions, home, mirrored).chance < 0.1
+    assert chance_as_it_lies(questions, half, mirrored).chance < 0.1
+    assert chance_where_it_slid(0.0, questions, half, mirrored).chance < 0.1
 
 
-def test_what_goes_on_in_both_beyond_what_they_share_is_not_sure(questions, monkeypatch) -> None:
+def test_what_goes_on_in_both_beyond_what_they_share_is_not_sure(
+    questions, half, half_likeness, monkeypatch
+) -> None:
     """Two forelegs with their shoulders: the legs are alike, and the shoulders lie apart."""
     monkeypatch.setattr(skin_chance, "ends_with_one", ends_with_one)
-    home = half_shared(at_home(questions))
-    found = likeness(questions, home)
-    assert chance_as_it_lies(questions, home, found).chance < 0.1
-    assert chance_where_it_slid(0.0, questions, home, found).chance < 0.1
+    assert chance_as_it_lies(questions, half, half_likeness).chance < 0.1
+    assert chance_where_it_slid(0.0, questions, half, half_likeness).chance < 0.1
 
 
 @pytest.mark.parametrize(("handed", "turned"), [(0.45, True), (0.55, False)])
 def test_what_is_more_alike_mirrored_lies_on_its_twin(
-    questions, monkeypatch, handed: float, turned: bool
+    questions, home, half, home_likeness, monkeypatch, handed: float, turned: bool
 ) -> None:
     """A left leg on a right one, within what is joined, with all of its bumps."""
     monkeypatch.setattr(skin_chance, "handed_by_relief", lambda *_: handed)
-    home = at_home(questions)
-    mirrored = replace(likeness(questions, home), handed=handed)
+    mirrored = replace(home_likeness, handed=handed)
     assert chance_as_it_lies(questions, home, mirrored).turned is turned
-    half = half_shared(home)
     assert not chance_as_it_lies(questions, half, mirrored).turned
 
 
 @pytest.mark.parametrize(("form", "sure"), [(1.0, True), (0.4, False)])
 def test_few_places_need_not_lead_where_the_skin_is_surer_than_of_another_one(
-    questions, monkeypatch, form: float, sure: bool
+    questions, half, half_likeness, monkeypatch, form: float, sure: bool
 ) -> None:
     """Of a leg as much looks like the other leg as of another person like oneself."""
-    home = half_shared(at_home(questions))
-    found = likeness(questions, home)
-    few = replace(found, handed=0.85, leading=0.75)
+    few = replace(half_likeness, handed=0.85, leading=0.75)
     monkeypatch.setattr(skin_chance, "alike_in_form", lambda *_: form)
-    said = chance_as_it_lies(questions, home, few)
+    said = chance_as_it_lies(questions, half, few)
     assert (said.chance >= JOINED) is sure
     assert said.by_skin > SURE
 
 
-def test_what_lies_within_the_other_is_not_sure_by_its_skin(questions) -> None:
-    home = at_home(questions)
-    said = chance_as_it_lies(questions, home, likeness(questions, home))
+def test_what_lies_within_the_other_is_not_sure_by_its_skin(questions, home, home_likeness) -> None:
+    said = chance_as_it_lies(questions, home, home_likeness)
     assert said.chance < 0.1
     assert said.by_skin > SURE
 
 
-def test_what_was_likely_is_refused_where_it_slides_to_nothing_alike(questions) -> None:
+def test_what_was_likely_is_refused_where_it_slides_to_nothing_alike(questions, elsewhere) -> None:
     """By accident a small place may have a relief that is alike before, at one width."""
-    elsewhere = half_shared(moved(questions, turned_over(questions)))
-    assert slid_chance(0.6, questions, elsewhere).chance < 0.1
+    assert slid_chance(0.6, questions, half_shared(elsewhere)).chance < 0.1
 
 
-def test_of_what_lies_wholly_within_the_other_the_chance_only_falls(questions) -> None:
-    home = at_home(questions)
-    assert slid_chance(0.3, questions, home).chance == pytest.approx(0.3, abs=1e-3)
-    assert slid_chance(0.9, questions, moved(questions, turned_over(questions))).chance < 0.5
+def test_of_what_lies_wholly_within_the_other_the_chance_only_falls(
+    questions, home, home_likeness, elsewhere
+) -> None:
+    said = chance_where_it_slid(0.3, questions, home, home_likeness)
+    assert said.chance == pytest.approx(0.3, abs=1e-3)
+    assert slid_chance(0.9, questions, elsewhere).chance < 0.5
 
 
 def test_what_lies_within_the_other_is_one_s_own_only_if_the_skin_is_sure(
-    questions, monkeypatch
+    questions, home, home_likeness, monkeypatch
 ) -> None:
     """An arm of another person in the same pose is laid on an arm, and is as likely before."""
-    home = at_home(questions)
-    found = likeness(questions, home)
     monkeypatch.setattr(skin_chance, "alike_in_form", lambda *_: 0.7)
-    other = replace(found, handed=0.72, leading=0.95)
+    other = replace(home_likeness, handed=0.72, leading=0.95)
     said = chance_where_it_slid(0.9, questions, home, other)
     assert said.by_skin > SURE
     assert said.chance < 0.1
 
 
-def test_a_place_as_small_as_a_few_bumps_is_alike_by_accident(questions, monkeypatch) -> None:
+def test_a_place_as_small_as_a_few_bumps_is_alike_by_accident(
+    questions, half, half_likeness, monkeypatch
+) -> None:
     """On a ring of a horse's leg a cat's may have the same three bumps."""
-    home = half_shared(at_home(questions))
-    found = likeness(questions, home)
     monkeypatch.setattr(skin_chance, "alike_in_reliefs", lambda *_: 0.8)
     for area, sure in ((0.1, True), (0.02, False)):
         monkeypatch.setattr(skin_chance, "shared_area", lambda *_, area=area: area)
-        assert (chance_as_it_lies(questions, home, found).chance >= JOINED) is sure
+        assert (chance_as_it_lies(questions, half, half_likeness).chance >= JOINED) is sure
 
 
 @pytest.mark.parametrize(
