@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache, lru_cache
 from typing import Any
 
 import numpy as np
 
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.puzzle.growing import meeting as module
+from sherd.puzzle.growing.answer import Meeting
 from sherd.puzzle.growing.meeting import meeting
 from sherd.puzzle.growing.skin_chance import SlidChance
 from sherd.results.advice import SURE
 from sherd.shapes import creature, cut_by_ball, landmarks, whole
+from sherd.surface.prepared import described_part
 
 
 def bumpy_tube() -> TriangleMesh:
@@ -27,11 +30,20 @@ def bumpy_tube() -> TriangleMesh:
     return TriangleMesh(points, np.concatenate(faces), name="tube")
 
 
+described_once = lru_cache(described_part)
+
+
+@cache
 def front_and_back() -> tuple[TriangleMesh, TriangleMesh]:
     full = creature(5000)
     ends = (landmarks(full)[name] for name in ("nose", "tail_tip"))
     front, back = (cut_by_ball(whole(full, full), end, 0.85).mesh for end in ends)
     return front, back
+
+
+def likeliest(answers: list[Meeting], _: object) -> Meeting:
+    """No mirror image is asked."""
+    return max(answers, key=lambda met: met.chance)
 
 
 def test_what_lies_nowhere_else_is_answered_as_it_is(monkeypatch) -> None:
@@ -40,7 +52,7 @@ def test_what_lies_nowhere_else_is_answered_as_it_is(monkeypatch) -> None:
     front, _ = front_and_back()
     tube = bumpy_tube()
     tube = tube.with_vertices(tube.vertices * np.sqrt(front.area / tube.area))
-    assert meeting(front, tube, 0).chance < SURE
+    assert meeting(front, tube, 0, describe=described_once).chance < SURE
 
 
 def test_what_may_be_right_its_place_slides_and_is_judged_there(monkeypatch) -> None:
@@ -54,6 +66,7 @@ def test_what_may_be_right_its_place_slides_and_is_judged_there(monkeypatch) -> 
         return home[-1]
 
     monkeypatch.setattr(module, "labelings_by_form", lambda *_: [])
+    monkeypatch.setattr(module, "beside_their_twins", likeliest)
     monkeypatch.setattr(module, "may_be_right", lambda *_: True)
     monkeypatch.setattr(module, "may_lie_right", lambda *_: False)
     monkeypatch.setattr(module, "slid", slid)
@@ -67,7 +80,7 @@ def test_what_may_be_right_its_place_slides_and_is_judged_there(monkeypatch) -> 
             "alike_in_relief",
             lambda _, found, alike=alike: alike * any(found is each for each in home),
         )
-        found = meeting(front, back, 0)
+        found = meeting(front, back, 0, describe=described_once)
         assert found.chance == chance
         assert any(found.placements is each for each in (home if moves else laid))
 
@@ -82,6 +95,7 @@ def test_what_is_sure_by_its_skin_stays_where_a_slide_would_leave_it(monkeypatch
         return replace(found[0]), replace(found[1])
 
     monkeypatch.setattr(module, "labelings_by_form", lambda *_: [])
+    monkeypatch.setattr(module, "beside_their_twins", likeliest)
     monkeypatch.setattr(module, "may_be_right", lambda *_: False)
     monkeypatch.setattr(module, "may_lie_right", lambda *_: True)
     monkeypatch.setattr(module, "slid", slid)
@@ -89,9 +103,9 @@ def test_what_is_sure_by_its_skin_stays_where_a_slide_would_leave_it(monkeypatch
     monkeypatch.setattr(module, "join_chance", lambda _: 0.1)
     monkeypatch.setattr(module, "chance_as_it_lies", lambda *_: SlidChance(0.95, 0.95))
     monkeypatch.setattr(module, "chance_where_it_slid", lambda *_: SlidChance(0.3, 0.3))
-    found = meeting(front, back, 0)
+    found = meeting(front, back, 0, describe=described_once)
     assert found.chance == 0.95
     assert any(found.placements is each for each in laid)
     monkeypatch.setattr(module, "chance_where_it_slid", lambda *_: SlidChance(0.9, 0.9))
-    moved = meeting(front, back, 0)
+    moved = meeting(front, back, 0, describe=described_once)
     assert not any(moved.placements is each for each in laid)
