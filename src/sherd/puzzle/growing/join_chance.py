@@ -47,8 +47,9 @@ INSIDE = 0.03
 WITHIN, UNTOLD = 0.95, 0.2
 # Between the shares of the rim that lie inside both, where an answer finally lies. Of 26 right ones
 # to five puzzles 0.0 in all but two, which have 0.03 and 0.07; pieces of a horse that lie right and
-# share two thirds of what they could have 0.20 to 0.23. A cat's left foreleg on its right one, alike
-# by all that is seen of its skin, has 0.34 and 0.38, as both go on beyond it. Five steps to either.
+# share two thirds of what they could have 0.20 to 0.23. A cat's left foreleg on its right one,
+# alike by all that is seen of its skin, has 0.34 and 0.38, as both go on beyond it. Five steps to
+# either, and more.
 ENDING, ENDING_STEP = 0.28, 0.01
 # Fewer nodes than this have hardly a neighborhood, so a mirror image of them says nothing.
 LEAST_NODES = 8
