@@ -77,8 +77,8 @@ OWN_WITHIN, WITHIN_STEP = 0.95, 0.005
 # its own mirror image, 0.44). Three steps to either.
 SIDED, SIDED_STEP = 2.0 / 3.0, 0.01
 # What lies within the other, and of which fewer places than this are more alike than mirrored, lies
-# on its twin if its reliefs are alike. Of twelve limbs on their twins, of two men, a horse, a wolf and
-# a cat, eight have 0.35 to 0.48, four 0.51 to 0.56.
+# on its twin if its reliefs are alike. Of twelve limbs on their twins, of two men, a horse, a wolf
+# and a cat, eight have 0.35 to 0.48, four 0.51 to 0.56.
 TURNED = 0.5
 
 
