@@ -11,7 +11,7 @@ import pytest
 
 from sherd.puzzle.growing import twin as module
 from sherd.puzzle.growing.answer import Meeting
-from sherd.puzzle.growing.twin import beside_their_twins, differing_quantiles
+from sherd.puzzle.growing.twin import apart_by_distances, beside_their_twins
 from sherd.results.advice import SURE
 
 # Of ten vertices of one area each the first four are where a limb is missing, the last four are its
@@ -114,6 +114,6 @@ def test_both_sides_of_a_line_are_as_far_from_all_between(at: int, alike: bool) 
     """Eleven places in a row; the two at either end do not count."""
     places = np.arange(11.0)
     between = np.abs(places[:, None] - places)
-    weights = np.isin(places, (0, 1, 9, 10), invert=True)
-    found = differing_quantiles(between[[at]], between[[9]], weights)
+    weights = np.isin(places, (0, 1, 9, 10), invert=True).astype(float)
+    found = apart_by_distances(between[[at]], between[[9]], weights)
     assert (found < 0.1) is alike
