@@ -179,17 +179,24 @@ def half_shared(placements: Both[SharedPlacement]) -> Both[SharedPlacement]:
     return first, second
 
 
+@pytest.fixture(scope="module")
+def half_elsewhere(questions, elsewhere) -> tuple[Both[SharedPlacement], Likeness | None]:
+    """Neither shape lies within the other there, and how alike they are."""
+    half = half_shared(elsewhere)
+    return half, likeness_of_both(questions, half)
+
+
 def test_what_slid_home_is_sure_and_what_slid_elsewhere_is_not(
-    questions, slid_home, elsewhere
+    questions, slid_home, half_elsewhere
 ) -> None:
     assert slid_chance(0.0, questions, half_shared(slid_home)).chance > SURE
-    assert slid_chance(0.0, questions, half_shared(elsewhere)).chance < 0.1
+    assert chance_where_it_slid(0.0, questions, *half_elsewhere).chance < 0.1
 
 
 def test_what_was_sure_is_refused_where_its_slide_says_it_is_something_else(
-    questions, elsewhere, half, half_likeness
+    questions, half_elsewhere, half, half_likeness
 ) -> None:
-    assert slid_chance(0.9, questions, half_shared(elsewhere)).chance < 0.5
+    assert chance_where_it_slid(0.9, questions, *half_elsewhere).chance < 0.5
     assert chance_where_it_slid(0.9, questions, half, half_likeness).chance >= 0.9
 
 
@@ -251,9 +258,11 @@ def test_what_lies_within_the_other_is_not_sure_by_its_skin(questions, home, hom
     assert said.by_skin > SURE
 
 
-def test_what_was_likely_is_refused_where_it_slides_to_nothing_alike(questions, elsewhere) -> None:
+def test_what_was_likely_is_refused_where_it_slides_to_nothing_alike(
+    questions, half_elsewhere
+) -> None:
     """By accident a small place may have a relief that is alike before, at one width."""
-    assert slid_chance(0.6, questions, half_shared(elsewhere)).chance < 0.1
+    assert chance_where_it_slid(0.6, questions, *half_elsewhere).chance < 0.1
 
 
 def test_of_what_lies_wholly_within_the_other_the_chance_only_falls(
