@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from sherd.fitting.border_loops import (
+from sherd.mesh.border_loops import (
     border_loops,
     filled_loop,
     is_watertight,

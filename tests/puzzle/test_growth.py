@@ -29,10 +29,11 @@ class Answer:
 
     chance: float
     twin: bool = False
+    by_skin: float = 0.0
 
 
-def answer(chance: float, *, twin: bool = False) -> Any:
-    return Answer(chance, twin)
+def answer(chance: float, *, twin: bool = False, by_skin: float = 0.0) -> Any:
+    return Answer(chance, twin, by_skin)
 
 
 @pytest.fixture(autouse=True)
@@ -44,6 +45,7 @@ def _joined_without_geometry(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(growth, "united", stand_in)
     monkeypatch.setattr(growth, "crowding", lambda one, other: 0.0)
     monkeypatch.setattr(growth, "open_loop", lambda joins: np.inf)
+    monkeypatch.setattr(growth, "laid_alike", lambda one, other: np.empty((0, 2), dtype=np.int64))
     monkeypatch.setattr(growth, "taken_by", lambda join, union: np.array([True]))
     monkeypatch.setattr(growth, "recalled", lambda join, first, second: np.array([[7, 7]]))
 
@@ -170,6 +172,33 @@ def test_two_that_overlap_in_one_place_are_both_joined_where_the_loop_closes(mon
     found = grown(pieces(3), np.ones((3, 3)), meet)
     assert sorted(map(sorted, found.groups)) == [[0, 1, 2]]
     assert not any(taken_before)
+
+
+@pytest.mark.parametrize(
+    ("by_skin", "back", "joined"), [(0.7, 0.01, 3), (0.3, 0.01, 1), (0.7, 0.1, 1)]
+)
+def test_two_in_one_place_are_both_joined_where_they_show_the_same_skin_there(
+    by_skin, back, joined, monkeypatch
+) -> None:
+    """By themselves they are laid elsewhere on each other; what a third one says of both is asked.
+
+    `back` is how far off one comes back around the three.
+    """
+    pairs = np.array([[3, 5]])
+    monkeypatch.setattr(growth, "crowding", lambda one, other: 0.9)
+    monkeypatch.setattr(growth, "open_loop", lambda joins: back if len(joins) == 3 else np.inf)
+    monkeypatch.setattr(growth, "laid_alike", lambda one, other: pairs)
+    asked = []
+
+    def meet(first: Union, second: Union, known: Ints, taken: Bools | None) -> Any:
+        if first.members == (1,):
+            asked.append(len(known))
+            return answer(0.1, by_skin=by_skin if len(known) else 0.0)
+        return answer({1: 0.85, 2: 0.8}[second.members[0]] if taken is None else 0.1)
+
+    found = grown(pieces(3), np.ones((3, 3)), meet)
+    assert max(map(len, found.groups)) == joined
+    assert asked[:2] == [0, 1]
 
 
 def test_what_is_laid_on_its_twin_is_asked_elsewhere_each_time() -> None:

@@ -14,7 +14,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from sherd.arrays import Bools, Floats, Ints
-from sherd.fitting.border_loops import (
+from sherd.mesh.border_loops import (
     border_loops,
     filled_loop,
     is_watertight,

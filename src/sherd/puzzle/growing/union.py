@@ -18,21 +18,25 @@ from sherd.correspondence.question import Question
 from sherd.correspondence.registration import Deformation, registered_to_positions
 from sherd.correspondence.shared.round_trip import on_border
 from sherd.errors import InvalidMeshError
-from sherd.mesh.geometry import closest_rotation, edge_lengths, vertex_normals
+from sherd.mesh.geometry import closest_rotation, edge_lengths, face_normals, vertex_normals
 from sherd.mesh.point_cloud import PointCloud
 from sherd.mesh.surface_points import closest_points
 from sherd.mesh.topology import component_labels, renumbered
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.puzzle.growing.answer import Meeting
+from sherd.puzzle.growing.cracks import closed_cracks
 from sherd.scan.intake import scan_intake
 from sherd.scan.surface_from_points import surface_from_points
 from sherd.surface.described import DescribedSurface
 
-__all__ = ["Join", "Union", "crowding", "recalled", "taken_by", "united"]
+__all__ = ["Join", "Union", "crowding", "laid_alike", "recalled", "taken_by", "united"]
 
 # In edges of the first piece. What lies over its inside, and no farther off, is a second layer of
 # the same skin: farther off it is something that only comes near.
 LAYER = 2.0
+# What closes a crack looks the same way as the skin there, within 60 degrees: a cap of a limb does
+# not, however thin the limb is.
+ALIKE = 0.5
 # A vertex as near to one of the first piece would make slivers in the seam.
 CROWDED = 0.5
 # What is shared within this of the rest, the width of a limb, says how the rest begins.
@@ -100,7 +104,8 @@ def united(join: Join) -> Union:
     used[first.faces] = True
     used[first.vertex_count :] |= added
     seam = _seam(points, facing, faces, np.flatnonzero(used), first.vertex_count)
-    faces = np.concatenate([faces, seam])
+    whole = TriangleMesh(laid, second.faces)
+    faces = _without_cracks(first, whole, np.concatenate([faces, seam]))
     kept, renamed = renumbered(faces)
     unit = max(here.mesh.length, there.mesh.length)
     rough = TriangleMesh(points[kept] * unit, renamed, name=here.mesh.name)
@@ -155,6 +160,48 @@ def crowding(one: Join, other: Join) -> float:
         near = tree.query(places[owners == piece], distance_upper_bound=reach)[0]
         common += int(np.isfinite(near).sum())
     return common / max(min(len(owners), len(others)), 1)
+
+
+def laid_alike(one: Join, other: Join) -> Ints:
+    """A few pairs (p, 2) of vertices of two unions that both joins laid on one place of a third.
+
+    Some that lie far apart; the seconds of both joins are the unions. None where nothing is shared.
+    """
+    owners, places = _taken(one)
+    others, further = _taken(other)
+    reach = LAYER * one.first.mesh.mean_edge_length
+    own, its = _lying(one), _lying(other)
+    pairs: list[Ints] = []
+    for piece in np.intersect1d(owners, others):
+        rows, columns = np.flatnonzero(owners == piece), np.flatnonzero(others == piece)
+        away, at = cKDTree(further[columns]).query(places[rows], distance_upper_bound=reach)
+        near = np.isfinite(away)
+        nearest = np.asarray(at)[near].astype(np.int64)
+        pairs.append(np.column_stack([own[rows[near]], its[columns[nearest]]]))
+    if not pairs:
+        return np.empty((0, 2), dtype=np.int64)
+    found = np.concatenate(pairs)
+    return found[_far_apart(one.second.mesh.vertices[found[:, 0]], RECALLED)]
+
+
+def _lying(join: Join) -> Ints:
+    """The vertices (q,) of the second that lie where it was laid on the first, as in `_taken`."""
+    question, place = join.met.questions[1], join.met.placements[1]
+    rows = place.trip.points[np.flatnonzero(place.shared)].nearest_vertices(question.full.mesh)
+    at = question.full.mesh.vertices[rows]
+    return np.asarray(cKDTree(question.full.placed.vertices).query(at)[1], dtype=np.int64)
+
+
+def _far_apart(points: Floats, count: int) -> Ints:
+    """Rows of so many of the points (p, 3), each as far as can be from those before."""
+    if not len(points):
+        return np.empty(0, dtype=np.int64)
+    rows = [int(np.linalg.norm(points - points.mean(axis=0), axis=1).argmax())]
+    away = np.linalg.norm(points - points[rows[0]], axis=1)
+    while len(rows) < min(count, len(points)):
+        rows.append(int(away.argmax()))
+        away = np.minimum(away, np.linalg.norm(points - points[rows[-1]], axis=1))
+    return np.array(rows, dtype=np.int64)
 
 
 def taken_by(join: Join, union: Union) -> Bools:
@@ -254,6 +301,36 @@ def _seam(points: Floats, facing: Floats, faces: Ints, used: Ints, split: int) -
                 seam.append(way)
                 break
     return np.array(seam, dtype=np.int64).reshape(-1, 3)
+
+
+def _without_cracks(first: TriangleMesh, laid: TriangleMesh, faces: Ints) -> Ints:
+    """Faces (m, 3) of both, cracks along the seam closed where the skin of one of them goes on.
+
+    `faces` are of the vertices of both, those of the first before those of the one laid on it.
+    """
+    points = np.concatenate([first.vertices, laid.vertices])
+    reach = LAYER * first.mean_edge_length
+
+    def lies(triangles: Ints) -> Bools:
+        centers, normals = points[triangles].mean(axis=1), face_normals(points, triangles)
+        found: Bools = np.zeros(len(triangles), dtype=bool)
+        for surface in (first, laid):
+            feet = closest_points(surface, centers)
+            near = np.linalg.norm(feet.positions(surface) - centers, axis=1) < reach
+            up = feet.interpolate(surface, surface.vertex_normals)
+            found |= near & ((up * normals).sum(axis=1) > ALIKE)
+        return found
+
+    goes_on = _inside(first, points, reach) | _inside(laid, points, reach)
+    return closed_cracks(points, faces, goes_on, lies)
+
+
+def _inside(surface: TriangleMesh, points: Floats, reach: float) -> Bools:
+    """Whether points (p, 3) lie on a surface and not on its border."""
+    feet = closest_points(surface, points)
+    off = np.linalg.norm(feet.positions(surface) - points, axis=1)
+    inside: Bools = (off < reach) & ~on_border(surface, feet)
+    return inside
 
 
 def _sides(face: Ints) -> list[tuple[int, int]]:
