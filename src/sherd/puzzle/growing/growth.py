@@ -17,7 +17,16 @@ from sherd.arrays import Bools, Floats, Ints
 from sherd.puzzle.growing.answer import JOINED, Meeting
 from sherd.puzzle.growing.joined_maps import open_loop
 from sherd.puzzle.growing.meeting import NOTHING_KNOWN
-from sherd.puzzle.growing.union import Join, Union, crowding, laid_alike, recalled, taken_by, united
+from sherd.puzzle.growing.union import (
+    Join,
+    Union,
+    crowding,
+    laid_alike,
+    left_out,
+    recalled,
+    taken_by,
+    united,
+)
 
 __all__ = ["Growth", "grown"]
 
@@ -57,6 +66,8 @@ class Growth:
         In the order in which they were made.
     sure
         What could have been joined, too.
+    likely
+        What was more likely right than not when it was asked.
     groups
         The members of each union at the end.
     chances
@@ -71,6 +82,7 @@ class Growth:
 
     joins: list[Join] = field(default_factory=list)
     sure: list[Join] = field(default_factory=list)
+    likely: list[Join] = field(default_factory=list)
     groups: list[tuple[int, ...]] = field(default_factory=list)
     chances: dict[tuple[tuple[int, ...], tuple[int, ...]], float] = field(default_factory=dict)
     aside: dict[tuple[tuple[int, ...], tuple[int, ...]], Join] = field(default_factory=dict)
@@ -228,6 +240,7 @@ def _elsewhere(
                 growth.settled.append((join, rival.second.members))
                 growth.chances[join.first.members, rival.second.members] = its.met.chance
                 growth.sure.remove(rival)
+                growth.likely = [each for each in growth.likely if each is not rival]
                 growth.sure += [its] if its.met.chance >= JOINED else []
     return max(found, key=_chance, default=None)
 
@@ -269,11 +282,20 @@ def _odds_beside(join: Join, rival: Join) -> float:
 
 
 def _asked(first: Union, second: Union, meet: Meet, growth: Growth) -> Join:
+    """The answer of two unions; what is likely is kept in mind."""
+    join = _answered(first, second, meet, growth)
+    if join.met.chance >= LIKELY:
+        growth.likely.append(join)
+    return join
+
+
+def _answered(first: Union, second: Union, meet: Meet, growth: Growth) -> Join:
     """The answer of two unions; if it is not sure, that elsewhere or with what was sure recalled.
 
     What is laid on its twin has another place, so it is asked where else it lies. If it surely does
     it is kept from its twin's place from then on; a right place may look like a twin's, too. What
-    lies where it surely lay before is likely to, see `_confirmed`.
+    lies where it surely lay before is likely to, see `_confirmed`; what is sure must not contradict
+    what was likely, see `_uncontradicted`, and what is not is asked where that was, too.
     """
     taken = _taken(first, second, growth)
     join = Join(first, second, meet(first, second, NOTHING_KNOWN, taken))
@@ -284,16 +306,67 @@ def _asked(first: Union, second: Union, meet: Meet, growth: Growth) -> Join:
         if elsewhere.met.chance >= JOINED:
             growth.settled.append((join, second.members))
             growth.sure = [each for each in growth.sure if not _repeated(each, join)]
+            growth.likely = [each for each in growth.likely if not _repeated(each, join)]
             taken = place
         join = max(join, elsewhere, key=_chance)
-    before = next(iter(_sure_before(first, second, growth)), None)
-    if before is None or join.met.chance >= JOINED:
+    contradicting = _contradicting(join, growth)
+    if join.met.chance >= JOINED:
+        return _uncontradicted(join, contradicting, taken, meet)
+    before = next(iter([*_sure_before(first, second, growth), *contradicting]), None)
+    if before is None:
         return join
     known = recalled(before, first, second)
     if len(known):
         again = Join(first, second, meet(first, second, known, taken))
         join = max(join, again, key=_chance)
     return _confirmed(join, before)
+
+
+def _contradicting(join: Join, growth: Growth) -> list[Join]:
+    """What parts of both likely share and an answer leaves out, the likeliest first.
+
+    Larger unions have what their parts have, so they share it, too.
+    """
+    found = [
+        before
+        for before in growth.likely
+        if _of_parts(before, join) and left_out(before, join) > CROWD
+    ]
+    return sorted(found, key=_chance, reverse=True)
+
+
+def _uncontradicted(
+    join: Join, contradicting: Sequence[Join], taken: Bools | None, meet: Meet
+) -> Join:
+    """A sure answer, or what is likelier, where earlier ones contradict it.
+
+    They are at another place, and one of both is right, or none (a conditional logit, as of the
+    places of one question). The earlier place is asked again with what was said of it.
+    """
+    if not contradicting:
+        return join
+    before = contradicting[0]
+    known = recalled(before, join.first, join.second)
+    rival, there = before, None
+    if len(known):
+        there = Join(join.first, join.second, meet(join.first, join.second, known, taken))
+        rival = max(before, there, key=_chance)
+    if there is not None and _odds(there) > _odds(join):
+        return _against(there, join)
+    return _against(join, rival)
+
+
+def _against(join: Join, rival: Join) -> Join:
+    """An answer that another one contradicts: of both places one is right, or none."""
+    odds = _odds(join) / (1.0 + _odds(rival))
+    return replace(join, met=replace(join.met, chance=odds / (1.0 + odds)))
+
+
+def _of_parts(before: Join, join: Join) -> bool:
+    """Whether an earlier question was about parts of both sides of a later one."""
+    own, its = set(join.first.members), set(join.second.members)
+    first, second = set(before.first.members), set(before.second.members)
+    return (own >= first and its >= second) or (own >= second and its >= first)
 
 
 def _confirmed(join: Join, before: Join) -> Join:

@@ -106,8 +106,8 @@ def may_be_right(features: Floats) -> bool:
 
 
 def may_lie_right(features: Floats) -> bool:
-    """Whether the skin may be asked where an answer lies: enough places lead, and reliefs agree."""
-    return bool(enough_lead(features) and features[RELIEF] >= UNLIKE)
+    """Whether the skin may be asked where an answer lies: enough places lead, reliefs may agree."""
+    return bool(enough_lead(features) and features[RELIEF] >= UNLIKE - 3 * UNLIKE_STEP)
 
 
 def enough_lead(features: Floats) -> bool:

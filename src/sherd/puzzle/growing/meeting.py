@@ -191,7 +191,7 @@ def _answer(
     twin = fits_a_twin(features) or skin.turned
     chance, leads = join_chance(features), enough_lead(features)
     met = Meeting(questions, queries, placements, chance, twin, fitting=skin.fitting, leads=leads)
-    return _slid(met, skin) if may_be_right(features) or skin.by_skin >= LIKELY else met
+    return _slid(met, skin) if may_be_right(features) or skin.fitting >= LIKELY else met
 
 
 def _slid(met: Meeting, skin: SlidChance) -> Meeting:

@@ -29,7 +29,7 @@ from sherd.scan.intake import scan_intake
 from sherd.scan.surface_from_points import surface_from_points
 from sherd.surface.described import DescribedSurface
 
-__all__ = ["Join", "Union", "crowding", "laid_alike", "recalled", "taken_by", "united"]
+__all__ = ["Join", "Union", "crowding", "laid_alike", "left_out", "recalled", "taken_by", "united"]
 
 # In edges of the first piece. What lies over its inside, and no farther off, is a second layer of
 # the same skin: farther off it is something that only comes near.
@@ -160,6 +160,42 @@ def crowding(one: Join, other: Join) -> float:
         near = tree.query(places[owners == piece], distance_upper_bound=reach)[0]
         common += int(np.isfinite(near).sum())
     return common / max(min(len(owners), len(others)), 1)
+
+
+def left_out(before: Join, join: Join) -> float:
+    """Share of what two unions were said to share that larger ones, which have it still, do not.
+
+    0 where these have nothing of it any more, as of what two pieces share a union keeps one side.
+    """
+    reach = LAYER * join.first.mesh.mean_edge_length
+    lost, found = 0, 0
+    for union, owners, places in _sharing(before):
+        for larger, others, further, shared in _of_both(join):
+            if not set(union.members) <= set(larger.members):
+                continue
+            for piece in np.intersect1d(owners, others):
+                rows = np.flatnonzero(others == piece)
+                tree = cKDTree(further[rows])
+                away, at = tree.query(places[owners == piece], distance_upper_bound=reach)
+                nearest = rows[np.asarray(at)[np.isfinite(away)]]
+                lost += int((~shared[nearest]).sum())
+                found += len(nearest)
+    return lost / max(found, 1)
+
+
+def _sharing(join: Join) -> list[tuple[Union, Ints, Floats]]:
+    """Of both unions what is shared: pieces (q,) and places (q, 3)."""
+    return [
+        (union, owners[shared], places[shared]) for union, owners, places, shared in _of_both(join)
+    ]
+
+
+def _of_both(join: Join) -> list[tuple[Union, Ints, Floats, Bools]]:
+    """The second and the first: the piece and place of each vertex, and whether it is shared."""
+    sides = zip((join.second, join.first), join.met.questions, join.met.placements, strict=True)
+    return [
+        (union, *_origins(union, question.part), place.shared) for union, question, place in sides
+    ]
 
 
 def laid_alike(one: Join, other: Join) -> Ints:
