@@ -17,9 +17,10 @@ from sherd.errors import InputError
 from sherd.output import Stages
 from sherd.overlap import check_overlap_sizes
 from sherd.puzzle.growing.answer import Meeting
-from sherd.puzzle.growing.growth import Growth, grown
+from sherd.puzzle.growing.growth import grown
 from sherd.puzzle.growing.joined_maps import direct_maps
 from sherd.puzzle.growing.meeting import Describe, meeting
+from sherd.puzzle.growing.record import Growth
 from sherd.puzzle.growing.union import Union
 from sherd.puzzle.pairs import pair_evidence
 from sherd.puzzle.synchronization import PieceMap, cycle_error, synchronized

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import trimesh
 
+from sherd.fitting.fit import fit
 from sherd.mesh.border_loops import (
     border_loops,
     filled_loop,
@@ -13,7 +14,6 @@ from sherd.mesh.border_loops import (
     strip_between,
     without_pinched_borders,
 )
-from sherd.fitting.fit import fit
 from sherd.mesh.geometry import face_cross
 from sherd.mesh.triangle_mesh import TriangleMesh
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,7 +11,7 @@ import pytest
 
 from sherd.arrays import Bools, Ints
 from sherd.mesh.triangle_mesh import TriangleMesh
-from sherd.puzzle.growing import growth
+from sherd.puzzle.growing import asking, growth, record
 from sherd.puzzle.growing.growth import grown
 from sherd.puzzle.growing.union import Join, Union
 
@@ -43,11 +44,18 @@ def _joined_without_geometry(monkeypatch: pytest.MonkeyPatch) -> None:
         return Union(here.mesh, here.owner, here.places, (*here.members, *there.members))
 
     monkeypatch.setattr(growth, "united", stand_in)
-    monkeypatch.setattr(growth, "crowding", lambda one, other: 0.0)
     monkeypatch.setattr(growth, "open_loop", lambda joins: np.inf)
     monkeypatch.setattr(growth, "laid_alike", lambda one, other: np.empty((0, 2), dtype=np.int64))
-    monkeypatch.setattr(growth, "taken_by", lambda join, union: np.array([True]))
-    monkeypatch.setattr(growth, "recalled", lambda join, first, second: np.array([[7, 7]]))
+    monkeypatch.setattr(asking, "recalled", lambda join, first, second: np.array([[7, 7]]))
+    monkeypatch.setattr(asking, "left_out", lambda before, join: 0.0)
+    for room in (growth, asking, record):
+        monkeypatch.setattr(room, "taken_by", lambda join, union: np.array([True]))
+    crowd(monkeypatch, lambda one, other: 0.0)
+
+
+def crowd(monkeypatch: pytest.MonkeyPatch, crowding: Callable[[Join, Join], float]) -> None:
+    for room in (growth, asking, record):
+        monkeypatch.setattr(room, "crowding", crowding)
 
 
 def test_a_chain_is_joined_and_what_is_foreign_stays_alone() -> None:
@@ -121,7 +129,7 @@ def test_what_is_likely_where_it_surely_lay_is_joined(there, again, joined, monk
     def meet(first: Union, second: Union, known: Ints, taken: Bools | None) -> Any:
         return answer({1: 0.95, 2: 0.9 if first.members == (0,) else again}[second.members[0]])
 
-    monkeypatch.setattr(growth, "crowding", crowding)
+    crowd(monkeypatch, crowding)
     found = grown(pieces(3), np.ones((3, 3)), meet)
     assert (len(found.groups) == 1) == joined
     if joined:
@@ -129,7 +137,7 @@ def test_what_is_likely_where_it_surely_lay_is_joined(there, again, joined, monk
 
 
 def test_of_two_in_one_place_neither_is_joined_unless_one_is_far_surer(monkeypatch) -> None:
-    monkeypatch.setattr(growth, "crowding", lambda one, other: 0.9)
+    crowd(monkeypatch, lambda one, other: 0.9)
 
     def meet(surer: float) -> Any:
         def asked(first: Union, second: Union, known: Ints, taken: Bools | None) -> Any:
@@ -145,7 +153,7 @@ def test_of_two_in_one_place_neither_is_joined_unless_one_is_far_surer(monkeypat
 
 
 def test_a_twin_in_the_place_of_another_is_asked_elsewhere_and_both_are_joined(monkeypatch) -> None:
-    monkeypatch.setattr(growth, "crowding", lambda one, other: 0.9)
+    crowd(monkeypatch, lambda one, other: 0.9)
     asked = []
 
     def meet(first: Union, second: Union, known: Ints, taken: Bools | None) -> Any:
@@ -161,7 +169,7 @@ def test_a_twin_in_the_place_of_another_is_asked_elsewhere_and_both_are_joined(m
 
 
 def test_two_that_overlap_in_one_place_are_both_joined_where_the_loop_closes(monkeypatch) -> None:
-    monkeypatch.setattr(growth, "crowding", lambda one, other: 0.9)
+    crowd(monkeypatch, lambda one, other: 0.9)
     monkeypatch.setattr(growth, "open_loop", lambda joins: 0.01 if len(joins) == 3 else np.inf)
     taken_before = []
 
@@ -185,7 +193,7 @@ def test_two_in_one_place_are_both_joined_where_they_show_the_same_skin_there(
     `back` is how far off one comes back around the three.
     """
     pairs = np.array([[3, 5]])
-    monkeypatch.setattr(growth, "crowding", lambda one, other: 0.9)
+    crowd(monkeypatch, lambda one, other: 0.9)
     monkeypatch.setattr(growth, "open_loop", lambda joins: back if len(joins) == 3 else np.inf)
     monkeypatch.setattr(growth, "laid_alike", lambda one, other: pairs)
     asked = []
@@ -230,5 +238,45 @@ def test_what_only_looks_like_a_twin_may_be_laid_there_again() -> None:
             return answer(0.1)
         return answer(0.9) if len(first.members) == 2 else answer(0.4, twin=True)
 
+    found = grown(pieces(3), np.ones((3, 3)), meet)
+    assert sorted(map(sorted, found.groups)) == [[0, 1, 2]]
+
+
+@pytest.mark.parametrize(
+    ("again", "left", "joined"), [(0.7, 1.0, 2), (0.7, 0.0, 3), (0.98, 1.0, 3)]
+)
+def test_what_leaves_out_what_was_likely_is_contradicted_by_it(
+    again, left, joined, monkeypatch
+) -> None:
+    """2 likely lies on 0; on the union of 0 and 1 it surely lies elsewhere, or there as well.
+
+    `again` is the chance of the earlier place, asked once more, `left` the share that is left out.
+    """
+    asked = []
+
+    def meet(first: Union, second: Union, known: Ints, taken: Bools | None) -> Any:
+        if second.members == (1,):
+            return answer(0.95)
+        if len(first.members) == 1:
+            return answer(0.6)
+        asked.append(len(known))
+        return answer(again if len(known) else 0.9)
+
+    def left_out(before: Join, join: Join) -> float:
+        return left if join.met.chance == 0.9 else 0.0
+
+    monkeypatch.setattr(asking, "left_out", left_out)
+    found = grown(pieces(3), np.ones((3, 3)), meet)
+    assert max(map(len, found.groups)) == joined
+    assert asked == ([0, 1] if left else [0])
+
+
+def test_what_was_likely_is_asked_again_where_the_union_finds_nothing(monkeypatch) -> None:
+    def meet(first: Union, second: Union, known: Ints, taken: Bools | None) -> Any:
+        if second.members == (1,):
+            return answer(0.95)
+        return answer(0.6 if len(first.members) == 1 else 0.9 if len(known) else 0.0)
+
+    monkeypatch.setattr(asking, "left_out", lambda before, join: float(join.met.chance == 0.0))
     found = grown(pieces(3), np.ones((3, 3)), meet)
     assert sorted(map(sorted, found.groups)) == [[0, 1, 2]]

@@ -101,7 +101,7 @@ def test_what_is_sure_by_its_skin_stays_where_a_slide_would_leave_it(monkeypatch
     monkeypatch.setattr(module, "slid", slid)
     monkeypatch.setattr(module, "one_place", list)
     monkeypatch.setattr(module, "join_chance", lambda _: 0.1)
-    monkeypatch.setattr(module, "chance_as_it_lies", lambda *_: SlidChance(0.95, 0.95))
+    monkeypatch.setattr(module, "chance_as_it_lies", lambda *_: SlidChance(0.95, 0.95, 0.95))
     monkeypatch.setattr(module, "chance_where_it_slid", lambda *_: SlidChance(0.3, 0.3))
     found = meeting(front, back, 0, describe=described_once)
     assert found.chance == 0.95

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from sherd.mesh.border_loops import border_loops
+from sherd.mesh.topology import component_labels
 from sherd.puzzle.growing.answer import Meeting
+from sherd.puzzle.growing.common_places import laid_alike, left_out, recalled
 from sherd.puzzle.growing.joined_maps import direct_maps
 from sherd.puzzle.growing.meeting import meeting
-from sherd.puzzle.growing.union import Join, Union, recalled, united
+from sherd.puzzle.growing.union import Join, Union, united
 from sherd.results.advice import SURE
 from sherd.shapes import creature, cut_by_ball, landmarks, moved, whole
 from sherd.shapes.fragment import Fragment
@@ -52,6 +57,32 @@ def test_the_union_is_about_as_large_as_both_together(pieces, join) -> None:
         low, high = piece.mesh.vertices.min(axis=0), piece.mesh.vertices.max(axis=0)
         assert (own >= low - 0.05).all()
         assert (own <= high + 0.05).all()
+
+
+def test_where_either_goes_on_the_union_has_no_crack(pieces, join) -> None:
+    """It is open where the animal is on neither piece: at two hooves."""
+    union, full = united(join), pieces[0].full
+    covered = pieces[0].region | pieces[1].region
+    missing = full.faces[~covered[full.faces].any(axis=1)]
+    labels = component_labels(missing, full.vertex_count)[missing[:, 0]]
+    assert len(border_loops(union.mesh.faces)) == len(np.unique(labels)) == 2
+
+
+def test_what_larger_unions_share_no_more_is_left_out(join) -> None:
+    assert left_out(join, join) == 0
+    nothing = [replace(each, shared=np.zeros_like(each.shared)) for each in join.met.placements]
+    other = Join(join.first, join.second, replace(join.met, placements=tuple(nothing)))
+    assert left_out(join, other) == 1
+    assert left_out(other, join) == 0
+
+
+def test_two_on_one_place_lie_on_each_other_as_they_do_there(pieces, join) -> None:
+    """The same piece laid twice: each vertex lies on itself."""
+    pairs = laid_alike(join, join)
+    assert len(pairs) == 4
+    rear = pieces[1].mesh.vertices
+    apart = np.linalg.norm(rear[pairs[:, 0]] - rear[pairs[:, 1]], axis=1)
+    assert apart.max() < 3 * pieces[1].mesh.mean_edge_length
 
 
 def test_what_both_have_is_mapped_from_each_to_the_other(pieces, join) -> None:

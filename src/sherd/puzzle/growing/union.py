@@ -29,7 +29,7 @@ from sherd.scan.intake import scan_intake
 from sherd.scan.surface_from_points import surface_from_points
 from sherd.surface.described import DescribedSurface
 
-__all__ = ["Join", "Union", "crowding", "laid_alike", "left_out", "recalled", "taken_by", "united"]
+__all__ = ["LAYER", "Join", "Union", "origins", "united"]
 
 # In edges of the first piece. What lies over its inside, and no farther off, is a second layer of
 # the same skin: farther off it is something that only comes near.
@@ -41,8 +41,6 @@ ALIKE = 0.5
 CROWDED = 0.5
 # What is shared within this of the rest, the width of a limb, says how the rest begins.
 BESIDE = 0.1
-# So many places fix a placement on a surface, also if one of them is gone.
-RECALLED = 4
 # Rounds of elasticity until what floats lies still.
 FLOAT_ROUNDS = 30
 
@@ -104,175 +102,17 @@ def united(join: Join) -> Union:
     used[first.faces] = True
     used[first.vertex_count :] |= added
     seam = _seam(points, facing, faces, np.flatnonzero(used), first.vertex_count)
-    whole = TriangleMesh(laid, second.faces)
-    faces = _without_cracks(first, whole, np.concatenate([faces, seam]))
+    faces = np.concatenate([faces, seam])
+    faces = _without_cracks(first, TriangleMesh(laid, second.faces), faces)
     kept, renamed = renumbered(faces)
     unit = max(here.mesh.length, there.mesh.length)
     rough = TriangleMesh(points[kept] * unit, renamed, name=here.mesh.name)
-    origins = [_origins(here, question.full), _origins(there, question.part)]
-    owner = np.concatenate([each[0] for each in origins])[kept]
-    places = np.concatenate([each[1] for each in origins])[kept]
+    named = (origins(here, question.full), origins(there, question.part))
+    owner = np.concatenate([owners for owners, _ in named])[kept]
+    places = np.concatenate([places for _, places in named])[kept]
     intake = scan_intake(rough)
     rows = _first_of_each(intake.report.new_vertices, intake.mesh.vertex_count)
     return Union(intake.mesh, owner[rows], places[rows], (*here.members, *there.members))
-
-
-def recalled(join: Join, first: Union, second: Union) -> Ints:
-    """A few pairs (p, 2) of vertices of larger unions that lie on each other by an earlier join.
-
-    Of what both directions agreed on best some that lie far apart; none where larger unions no
-    longer have the place.
-    """
-    question, place = join.met.questions[0], join.met.placements[0]
-    nodes = question.part.sparse
-    order = nodes.vertices[nodes.farthest_first]
-    order = order[place.shared[order]]
-    if not len(order):
-        return np.empty((0, 2), dtype=np.int64)
-    sure = place.apart[order] <= np.median(place.apart[order])
-    owner, places = _origins(join.second, question.part)
-    owners, further = _origins(join.first, question.full)
-    pairs: list[list[int]] = []
-    for vertex in order[sure]:
-        foot = int(place.trip.points[[vertex]].nearest_vertices(question.full.mesh)[0])
-        found = [
-            _vertex_at(first, second, int(owner[vertex]), places[vertex]),
-            _vertex_at(first, second, int(owners[foot]), further[foot]),
-        ]
-        if {side for side, _ in found} == {0, 1}:
-            pairs.append([at for _, at in sorted(found)])
-        if len(pairs) == RECALLED:
-            break
-    return np.array(pairs, dtype=np.int64).reshape(-1, 2)
-
-
-def crowding(one: Join, other: Join) -> float:
-    """Share of the smaller place that two pieces have on a third one that is the other's too.
-
-    Both were laid on unions that have the third piece.
-    """
-    owners, places = _taken(one)
-    others, further = _taken(other)
-    reach = LAYER * one.first.mesh.mean_edge_length
-    common = 0
-    for piece in np.intersect1d(owners, others):
-        tree = cKDTree(further[others == piece])
-        near = tree.query(places[owners == piece], distance_upper_bound=reach)[0]
-        common += int(np.isfinite(near).sum())
-    return common / max(min(len(owners), len(others)), 1)
-
-
-def left_out(before: Join, join: Join) -> float:
-    """Share of what two unions were said to share that larger ones, which have it still, do not.
-
-    0 where these have nothing of it any more, as of what two pieces share a union keeps one side.
-    """
-    reach = LAYER * join.first.mesh.mean_edge_length
-    lost, found = 0, 0
-    for union, owners, places in _sharing(before):
-        for larger, others, further, shared in _of_both(join):
-            if not set(union.members) <= set(larger.members):
-                continue
-            for piece in np.intersect1d(owners, others):
-                rows = np.flatnonzero(others == piece)
-                tree = cKDTree(further[rows])
-                away, at = tree.query(places[owners == piece], distance_upper_bound=reach)
-                nearest = rows[np.asarray(at)[np.isfinite(away)]]
-                lost += int((~shared[nearest]).sum())
-                found += len(nearest)
-    return lost / max(found, 1)
-
-
-def _sharing(join: Join) -> list[tuple[Union, Ints, Floats]]:
-    """Of both unions what is shared: pieces (q,) and places (q, 3)."""
-    return [
-        (union, owners[shared], places[shared]) for union, owners, places, shared in _of_both(join)
-    ]
-
-
-def _of_both(join: Join) -> list[tuple[Union, Ints, Floats, Bools]]:
-    """The second and the first: the piece and place of each vertex, and whether it is shared."""
-    sides = zip((join.second, join.first), join.met.questions, join.met.placements, strict=True)
-    return [
-        (union, *_origins(union, question.part), place.shared) for union, question, place in sides
-    ]
-
-
-def laid_alike(one: Join, other: Join) -> Ints:
-    """A few pairs (p, 2) of vertices of two unions that both joins laid on one place of a third.
-
-    Some that lie far apart; the seconds of both joins are the unions. None where nothing is shared.
-    """
-    owners, places = _taken(one)
-    others, further = _taken(other)
-    reach = LAYER * one.first.mesh.mean_edge_length
-    own, its = _lying(one), _lying(other)
-    pairs: list[Ints] = []
-    for piece in np.intersect1d(owners, others):
-        rows, columns = np.flatnonzero(owners == piece), np.flatnonzero(others == piece)
-        away, at = cKDTree(further[columns]).query(places[rows], distance_upper_bound=reach)
-        near = np.isfinite(away)
-        nearest = np.asarray(at)[near].astype(np.int64)
-        pairs.append(np.column_stack([own[rows[near]], its[columns[nearest]]]))
-    if not pairs:
-        return np.empty((0, 2), dtype=np.int64)
-    found = np.concatenate(pairs)
-    return found[_far_apart(one.second.mesh.vertices[found[:, 0]], RECALLED)]
-
-
-def _lying(join: Join) -> Ints:
-    """The vertices (q,) of the second that lie where it was laid on the first, as in `_taken`."""
-    question, place = join.met.questions[1], join.met.placements[1]
-    rows = place.trip.points[np.flatnonzero(place.shared)].nearest_vertices(question.full.mesh)
-    at = question.full.mesh.vertices[rows]
-    return np.asarray(cKDTree(question.full.placed.vertices).query(at)[1], dtype=np.int64)
-
-
-def _far_apart(points: Floats, count: int) -> Ints:
-    """Rows of so many of the points (p, 3), each as far as can be from those before."""
-    if not len(points):
-        return np.empty(0, dtype=np.int64)
-    rows = [int(np.linalg.norm(points - points.mean(axis=0), axis=1).argmax())]
-    away = np.linalg.norm(points - points[rows[0]], axis=1)
-    while len(rows) < min(count, len(points)):
-        rows.append(int(away.argmax()))
-        away = np.minimum(away, np.linalg.norm(points - points[rows[-1]], axis=1))
-    return np.array(rows, dtype=np.int64)
-
-
-def taken_by(join: Join, union: Union) -> Bools:
-    """The vertices (n,) of a union where the second of a join lies; the join's first is in it."""
-    owners, places = _taken(join)
-    reach = LAYER * union.mesh.mean_edge_length
-    taken = np.zeros(union.mesh.vertex_count, dtype=bool)
-    for piece in np.intersect1d(owners, union.owner):
-        rows = np.flatnonzero(union.owner == piece)
-        tree = cKDTree(places[owners == piece])
-        near = tree.query(union.places[rows], distance_upper_bound=reach)[0]
-        taken[rows] = np.isfinite(near)
-    return taken
-
-
-def _taken(join: Join) -> tuple[Ints, Floats]:
-    """Where the second lies on the first: pieces (q,) and places (q, 3) there."""
-    question = join.met.questions[0]
-    owners, places = _origins(join.first, question.full)
-    shared = join.met.placements[1].shared
-    return owners[shared], places[shared]
-
-
-def _vertex_at(first: Union, second: Union, owner: int, place: Floats) -> tuple[int, int]:
-    """Which of two unions has a place of a piece (0 or 1; -1: neither), and its vertex there."""
-    side = 0 if owner in first.members else 1
-    union = (first, second)[side]
-    rows = np.flatnonzero(union.owner == owner)
-    if not len(rows):
-        return -1, -1
-    off = np.linalg.norm(union.places[rows] - place, axis=1)
-    nearest = int(off.argmin())
-    if off[nearest] > LAYER * union.mesh.mean_edge_length:
-        return -1, -1
-    return side, int(rows[nearest])
 
 
 def _floating(question: Question, laid: Deformation, shared: Bools) -> Floats:
@@ -374,7 +214,7 @@ def _sides(face: Ints) -> list[tuple[int, int]]:
     return [(a, b), (b, c), (c, a)]
 
 
-def _origins(union: Union, surface: DescribedSurface) -> tuple[Ints, Floats]:
+def origins(union: Union, surface: DescribedSurface) -> tuple[Ints, Floats]:
     """The owner (m,) and place (m, 3) of each vertex of the working mesh of a union."""
     at = closest_points(surface.placed, surface.mesh.vertices)
     corners = union.mesh.faces[at.faces]

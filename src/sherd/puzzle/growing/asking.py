@@ -1,0 +1,111 @@
+"""One question to two unions, and what earlier answers to their parts say of the answer.
+
+Larger unions have what their parts have: what was sure of these is recalled where an answer is not,
+what was likely of these and is left out contradicts it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+from sherd.arrays import Bools, Ints
+from sherd.puzzle.growing.answer import JOINED, Meeting
+from sherd.puzzle.growing.common_places import crowding, left_out, recalled, taken_by
+from sherd.puzzle.growing.meeting import NOTHING_KNOWN
+from sherd.puzzle.growing.record import CROWD, Growth, chance_of, odds_of
+from sherd.puzzle.growing.union import Join, Union
+
+__all__ = ["LIKELY", "Meet", "asked"]
+
+# More likely right than not.
+LIKELY = 0.5
+
+# The larger union, the other one, pairs (p, 2) of vertices that lie on each other, and the vertices
+# (n,) of the larger one where the other does not lie, if there are any.
+Meet = Callable[[Union, Union, Ints, Bools | None], Meeting]
+
+
+def asked(first: Union, second: Union, meet: Meet, growth: Growth) -> Join:
+    """The answer of two unions, the larger one first; what is likely is kept in mind."""
+    join = _answered(first, second, meet, growth)
+    if join.met.chance >= LIKELY:
+        growth.likely.append(join)
+    return join
+
+
+def _answered(first: Union, second: Union, meet: Meet, growth: Growth) -> Join:
+    """The answer of two unions; if it is not sure, that elsewhere or with what was sure recalled.
+
+    What is laid on its twin has another place, so it is asked where else it lies. If it surely does
+    it is kept from its twin's place from then on; a right place may look like a twin's, too. What
+    lies where it surely lay before is likely to, see `_confirmed`; what is sure must not contradict
+    what was likely, see `_uncontradicted`, and what is not is asked where that was, too.
+    """
+    taken = growth.taken(first, second)
+    join = Join(first, second, meet(first, second, NOTHING_KNOWN, taken))
+    if join.met.twin:
+        place = taken_by(join, first)
+        place = place if taken is None else taken | place
+        elsewhere = Join(first, second, meet(first, second, NOTHING_KNOWN, place))
+        if elsewhere.met.chance >= JOINED:
+            growth.settle(join, second.members)
+            taken = place
+        join = max(join, elsewhere, key=chance_of)
+    likely = growth.likely_before(first, second)
+    contradicting = [each for each in likely if left_out(each, join) > CROWD]
+    if join.met.chance >= JOINED:
+        return _uncontradicted(join, contradicting, taken, meet)
+    before = next(iter([*growth.sure_before(first, second), *contradicting]), None)
+    if before is None:
+        return join
+    known = recalled(before, first, second)
+    if len(known):
+        again = Join(first, second, meet(first, second, known, taken))
+        join = max(join, again, key=chance_of)
+    return _confirmed(join, before)
+
+
+def _uncontradicted(
+    join: Join, contradicting: Sequence[Join], taken: Bools | None, meet: Meet
+) -> Join:
+    """A sure answer, or what is likelier, where earlier ones contradict it.
+
+    They are at another place, and one of both is right, or none (a conditional logit, as of the
+    places of one question). The likeliest earlier place is asked again with what was said of it.
+    """
+    if not contradicting:
+        return join
+    before = contradicting[0]
+    known = recalled(before, join.first, join.second)
+    if len(known):
+        again = Join(join.first, join.second, meet(join.first, join.second, known, taken))
+        if left_out(before, again) <= CROWD:
+            if odds_of(again) > odds_of(join):
+                return _against(again, join)
+            before = max(before, again, key=chance_of)
+    return _against(join, before)
+
+
+def _against(join: Join, rival: Join) -> Join:
+    """An answer that another one contradicts: of both places one is right, or none."""
+    odds = odds_of(join) / (1.0 + odds_of(rival))
+    return replace(join, met=replace(join.met, chance=odds / (1.0 + odds)))
+
+
+def _confirmed(join: Join, before: Join) -> Join:
+    """An answer that is likely, and as sure as it and an earlier one at the same place are in mean.
+
+    A union has all that the earlier piece of it had there, so both see much of the same; what two
+    strangers said apart would count as the sum of their log odds, and not as the mean.
+    """
+    if not LIKELY <= join.met.chance < JOINED or not _repeated(before, join):
+        return join
+    odds = math.sqrt(odds_of(before) * odds_of(join))
+    return replace(join, met=replace(join.met, chance=odds / (1.0 + odds)))
+
+
+def _repeated(before: Join, join: Join) -> bool:
+    """Whether the same piece was laid on the same place before."""
+    return before.second.members == join.second.members and crowding(before, join) > CROWD

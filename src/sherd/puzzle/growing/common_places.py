@@ -1,0 +1,172 @@
+"""Which places two joins have in common: of one piece, of unions that grew, of two on a third."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from sherd.arrays import Bools, Floats, Ints
+from sherd.puzzle.growing.union import LAYER, Join, Union, origins
+
+__all__ = ["crowding", "laid_alike", "left_out", "recalled", "taken_by"]
+
+# So many places fix a placement on a surface, also if one of them is gone.
+RECALLED = 4
+
+
+def crowding(one: Join, other: Join) -> float:
+    """Share of the smaller place that two pieces have on a third one that is the other's too.
+
+    Both were laid on unions that have the third piece.
+    """
+    owners, places = _taken(one)
+    others, further = _taken(other)
+    reach = LAYER * one.first.mesh.mean_edge_length
+    common = 0
+    for piece in np.intersect1d(owners, others):
+        tree = cKDTree(further[others == piece])
+        near = tree.query(places[owners == piece], distance_upper_bound=reach)[0]
+        common += int(np.isfinite(near).sum())
+    return common / max(min(len(owners), len(others)), 1)
+
+
+def taken_by(join: Join, union: Union) -> Bools:
+    """The vertices (n,) of a union where the second of a join lies; the join's first is in it."""
+    owners, places = _taken(join)
+    reach = LAYER * union.mesh.mean_edge_length
+    taken = np.zeros(union.mesh.vertex_count, dtype=bool)
+    for piece in np.intersect1d(owners, union.owner):
+        rows = np.flatnonzero(union.owner == piece)
+        tree = cKDTree(places[owners == piece])
+        near = tree.query(union.places[rows], distance_upper_bound=reach)[0]
+        taken[rows] = np.isfinite(near)
+    return taken
+
+
+def recalled(join: Join, first: Union, second: Union) -> Ints:
+    """A few pairs (p, 2) of vertices of larger unions that lie on each other by an earlier join.
+
+    Of what both directions agreed on best some that lie far apart; none where larger unions no
+    longer have the place.
+    """
+    question, place = join.met.questions[0], join.met.placements[0]
+    nodes = question.part.sparse
+    order = nodes.vertices[nodes.farthest_first]
+    order = order[place.shared[order]]
+    if not len(order):
+        return np.empty((0, 2), dtype=np.int64)
+    sure = place.apart[order] <= np.median(place.apart[order])
+    owner, places = origins(join.second, question.part)
+    owners, further = origins(join.first, question.full)
+    pairs: list[list[int]] = []
+    for vertex in order[sure]:
+        foot = int(place.trip.points[[vertex]].nearest_vertices(question.full.mesh)[0])
+        found = [
+            _vertex_at(first, second, int(owner[vertex]), places[vertex]),
+            _vertex_at(first, second, int(owners[foot]), further[foot]),
+        ]
+        if {side for side, _ in found} == {0, 1}:
+            pairs.append([at for _, at in sorted(found)])
+        if len(pairs) == RECALLED:
+            break
+    return np.array(pairs, dtype=np.int64).reshape(-1, 2)
+
+
+def left_out(before: Join, join: Join) -> float:
+    """Share of what two unions were said to share that larger ones, which have it still, do not.
+
+    0 where these have nothing of it any more, as of what two pieces share a union keeps one side.
+    """
+    reach = LAYER * join.first.mesh.mean_edge_length
+    lost, found = 0, 0
+    for union, owners, places in _sharing(before):
+        for larger, others, further, shared in _of_both(join):
+            if not set(union.members) <= set(larger.members):
+                continue
+            for piece in np.intersect1d(owners, others):
+                rows = np.flatnonzero(others == piece)
+                tree = cKDTree(further[rows])
+                away, at = tree.query(places[owners == piece], distance_upper_bound=reach)
+                nearest = rows[np.asarray(at)[np.isfinite(away)]]
+                lost += int((~shared[nearest]).sum())
+                found += len(nearest)
+    return lost / max(found, 1)
+
+
+def laid_alike(one: Join, other: Join) -> Ints:
+    """A few pairs (p, 2) of vertices of two unions that both joins laid on one place of a third.
+
+    Some that lie far apart; the seconds of both joins are the unions. None where nothing is shared.
+    """
+    owners, places = _taken(one)
+    others, further = _taken(other)
+    reach = LAYER * one.first.mesh.mean_edge_length
+    own, its = _lying(one), _lying(other)
+    pairs: list[Ints] = []
+    for piece in np.intersect1d(owners, others):
+        rows, columns = np.flatnonzero(owners == piece), np.flatnonzero(others == piece)
+        away, at = cKDTree(further[columns]).query(places[rows], distance_upper_bound=reach)
+        near = np.isfinite(away)
+        nearest = np.asarray(at)[near].astype(np.int64)
+        pairs.append(np.column_stack([own[rows[near]], its[columns[nearest]]]))
+    if not pairs:
+        return np.empty((0, 2), dtype=np.int64)
+    found = np.concatenate(pairs)
+    return found[_far_apart(one.second.mesh.vertices[found[:, 0]], RECALLED)]
+
+
+def _taken(join: Join) -> tuple[Ints, Floats]:
+    """Where the second lies on the first: pieces (q,) and places (q, 3) there."""
+    question = join.met.questions[0]
+    owners, places = origins(join.first, question.full)
+    shared = join.met.placements[1].shared
+    return owners[shared], places[shared]
+
+
+def _vertex_at(first: Union, second: Union, owner: int, place: Floats) -> tuple[int, int]:
+    """Which of two unions has a place of a piece (0 or 1; -1: neither), and its vertex there."""
+    side = 0 if owner in first.members else 1
+    union = (first, second)[side]
+    rows = np.flatnonzero(union.owner == owner)
+    if not len(rows):
+        return -1, -1
+    off = np.linalg.norm(union.places[rows] - place, axis=1)
+    nearest = int(off.argmin())
+    if off[nearest] > LAYER * union.mesh.mean_edge_length:
+        return -1, -1
+    return side, int(rows[nearest])
+
+
+def _sharing(join: Join) -> list[tuple[Union, Ints, Floats]]:
+    """Of both unions what is shared: pieces (q,) and places (q, 3)."""
+    return [
+        (union, owners[shared], places[shared]) for union, owners, places, shared in _of_both(join)
+    ]
+
+
+def _of_both(join: Join) -> list[tuple[Union, Ints, Floats, Bools]]:
+    """The second and the first: the piece and place of each vertex, and whether it is shared."""
+    sides = zip((join.second, join.first), join.met.questions, join.met.placements, strict=True)
+    return [
+        (union, *origins(union, question.part), place.shared) for union, question, place in sides
+    ]
+
+
+def _lying(join: Join) -> Ints:
+    """The vertices (q,) of the second that lie where it was laid on the first, as in `_taken`."""
+    question, place = join.met.questions[1], join.met.placements[1]
+    rows = place.trip.points[np.flatnonzero(place.shared)].nearest_vertices(question.full.mesh)
+    at = question.full.mesh.vertices[rows]
+    return np.asarray(cKDTree(question.full.placed.vertices).query(at)[1], dtype=np.int64)
+
+
+def _far_apart(points: Floats, count: int) -> Ints:
+    """Rows of so many of the points (p, 3), each as far as can be from those before."""
+    if not len(points):
+        return np.empty(0, dtype=np.int64)
+    rows = [int(np.linalg.norm(points - points.mean(axis=0), axis=1).argmax())]
+    away = np.linalg.norm(points - points[rows[0]], axis=1)
+    while len(rows) < min(count, len(points)):
+        rows.append(int(away.argmax()))
+        away = np.minimum(away, np.linalg.norm(points - points[rows[-1]], axis=1))
+    return np.array(rows, dtype=np.int64)

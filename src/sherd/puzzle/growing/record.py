@@ -1,0 +1,116 @@
+"""What was asked and joined while groups grew, and what earlier answers say of a later question."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from sherd.arrays import Bools
+from sherd.puzzle.growing.common_places import crowding, taken_by
+from sherd.puzzle.growing.union import Join, Union
+
+__all__ = ["CROWD", "UNASKED", "Growth", "chance_of", "odds_of"]
+
+# Above all chances: who was never asked is asked first.
+UNASKED = 2.0
+# Two that are laid on more than half of one place are in each other's way, or lie there both; what
+# lies on less than half of a place is elsewhere.
+CROWD = 0.5
+
+
+@dataclass(eq=False)
+class Growth:
+    """What was asked and joined.
+
+    Attributes
+    ----------
+    joins
+        In the order in which they were made.
+    sure
+        What could have been joined, too.
+    likely
+        What was more likely right than not when it was asked.
+    groups
+        The members of each union at the end.
+    chances
+        By the members of both, the larger one first, of what was asked.
+    aside
+        What was asked of two because a third one has both, and of nobody else yet.
+    together
+        The members of two that lie on one place and on each other.
+    settled
+        What has a disputed place, and the members of who does not lie there.
+    """
+
+    joins: list[Join] = field(default_factory=list)
+    sure: list[Join] = field(default_factory=list)
+    likely: list[Join] = field(default_factory=list)
+    groups: list[tuple[int, ...]] = field(default_factory=list)
+    chances: dict[tuple[tuple[int, ...], tuple[int, ...]], float] = field(default_factory=dict)
+    aside: dict[tuple[tuple[int, ...], tuple[int, ...]], Join] = field(default_factory=dict)
+    together: list[set[tuple[int, ...]]] = field(default_factory=list)
+    settled: list[tuple[Join, tuple[int, ...]]] = field(default_factory=list)
+
+    def promise(self, here: Union, other: Union) -> float:
+        """The chance when parts of both were asked last; above all if they never were."""
+        found = UNASKED
+        for (first, second), chance in self.chances.items():
+            if _are_parts((first, second), (here, other)):
+                found = chance
+        return found
+
+    def sure_before(self, first: Union, second: Union) -> list[Join]:
+        """What was sure of parts of both, the surest first; of one piece what was said last."""
+        found = {}
+        for join in self.sure:
+            if _are_parts(_members(join), (first, second)):
+                found[join.second.members] = join
+        return sorted(found.values(), key=chance_of, reverse=True)
+
+    def likely_before(self, first: Union, second: Union) -> list[Join]:
+        """What was likely of parts of both, the likeliest first."""
+        found = [each for each in self.likely if _are_parts(_members(each), (first, second))]
+        return sorted(found, key=chance_of, reverse=True)
+
+    def taken(self, first: Union, second: Union) -> Bools | None:
+        """The vertices (n,) of the first union that were settled to be others' places, if any."""
+        taken = None
+        for join, loser in self.settled:
+            inside = set(join.first.members) <= set(first.members)
+            if inside and set(loser) <= set(second.members):
+                place = taken_by(join, first)
+                taken = place if taken is None else taken | place
+        return taken
+
+    def settle(self, join: Join, loser: tuple[int, ...]) -> None:
+        """Keep who lost it from a place, and forget that it lay there."""
+        self.settled.append((join, loser))
+        self.sure = [each for each in self.sure if not _lost(each, join, loser)]
+        self.likely = [each for each in self.likely if not _lost(each, join, loser)]
+
+
+def chance_of(join: Join) -> float:
+    """Of what was found."""
+    return join.met.chance
+
+
+def odds_of(join: Join) -> float:
+    """The same as odds."""
+    return join.met.chance / (1.0 - join.met.chance)
+
+
+def _members(join: Join) -> tuple[tuple[int, ...], tuple[int, ...]]:
+    return join.first.members, join.second.members
+
+
+def _are_parts(
+    members: tuple[tuple[int, ...], tuple[int, ...]], larger: tuple[Union, Union]
+) -> bool:
+    """Whether a question was about parts of two unions, one of each."""
+    first, second = (set(each) for each in members)
+    own, its = (set(each.members) for each in larger)
+    return (own >= first and its >= second) or (own >= second and its >= first)
+
+
+def _lost(before: Join, join: Join, loser: tuple[int, ...]) -> bool:
+    """Whether an answer laid who lost a place there."""
+    return before.second.members == loser and crowding(before, join) > CROWD
