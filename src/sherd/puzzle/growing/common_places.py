@@ -7,6 +7,7 @@ from scipy.spatial import cKDTree
 
 from sherd.arrays import Bools, Floats, Ints
 from sherd.puzzle.growing.union import LAYER, Join, Union, origins
+from sherd.spectral.sampling import farthest_point_sample_euclidean
 
 __all__ = ["crowding", "laid_alike", "left_out", "recalled", "taken_by"]
 
@@ -112,7 +113,9 @@ def laid_alike(one: Join, other: Join) -> Ints:
     if not pairs:
         return np.empty((0, 2), dtype=np.int64)
     found = np.concatenate(pairs)
-    return found[_far_apart(one.second.mesh.vertices[found[:, 0]], RECALLED)]
+    count = min(RECALLED, len(found))
+    points = one.second.mesh.vertices[found[:, 0]]
+    return found[farthest_point_sample_euclidean(points, count, start=0)] if count else found
 
 
 def _taken(join: Join) -> tuple[Ints, Floats]:
@@ -158,15 +161,3 @@ def _lying(join: Join) -> Ints:
     rows = place.trip.points[np.flatnonzero(place.shared)].nearest_vertices(question.full.mesh)
     at = question.full.mesh.vertices[rows]
     return np.asarray(cKDTree(question.full.placed.vertices).query(at)[1], dtype=np.int64)
-
-
-def _far_apart(points: Floats, count: int) -> Ints:
-    """Rows of so many of the points (p, 3), each as far as can be from those before."""
-    if not len(points):
-        return np.empty(0, dtype=np.int64)
-    rows = [int(np.linalg.norm(points - points.mean(axis=0), axis=1).argmax())]
-    away = np.linalg.norm(points - points[rows[0]], axis=1)
-    while len(rows) < min(count, len(points)):
-        rows.append(int(away.argmax()))
-        away = np.minimum(away, np.linalg.norm(points - points[rows[-1]], axis=1))
-    return np.array(rows, dtype=np.int64)
