@@ -54,7 +54,7 @@ def _joined_without_geometry(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def crowd(monkeypatch: pytest.MonkeyPatch, crowding: Callable[[Join, Join], float]) -> None:
-    for room in (growth, asking, record):
+    for room in (growth, record):
         monkeypatch.setattr(room, "crowding", crowding)
 
 

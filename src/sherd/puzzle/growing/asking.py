@@ -12,9 +12,9 @@ from dataclasses import replace
 
 from sherd.arrays import Bools, Ints
 from sherd.puzzle.growing.answer import JOINED, Meeting
-from sherd.puzzle.growing.common_places import crowding, left_out, recalled, taken_by
+from sherd.puzzle.growing.common_places import left_out, recalled, taken_by
 from sherd.puzzle.growing.meeting import NOTHING_KNOWN
-from sherd.puzzle.growing.record import CROWD, Growth, chance_of, odds_of
+from sherd.puzzle.growing.record import CROWD, Growth, chance_of, laid_there, odds_of
 from sherd.puzzle.growing.union import Join, Union
 
 __all__ = ["LIKELY", "Meet", "asked"]
@@ -100,12 +100,8 @@ def _confirmed(join: Join, before: Join) -> Join:
     A union has all that the earlier piece of it had there, so both see much of the same; what two
     strangers said apart would count as the sum of their log odds, and not as the mean.
     """
-    if not LIKELY <= join.met.chance < JOINED or not _repeated(before, join):
+    repeated = LIKELY <= join.met.chance < JOINED and laid_there(before, join, join.second.members)
+    if not repeated:
         return join
     odds = math.sqrt(odds_of(before) * odds_of(join))
     return replace(join, met=replace(join.met, chance=odds / (1.0 + odds)))
-
-
-def _repeated(before: Join, join: Join) -> bool:
-    """Whether the same piece was laid on the same place before."""
-    return before.second.members == join.second.members and crowding(before, join) > CROWD

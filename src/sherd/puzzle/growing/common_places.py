@@ -80,8 +80,9 @@ def left_out(before: Join, join: Join) -> float:
     """
     reach = LAYER * join.first.mesh.mean_edge_length
     lost, found = 0, 0
+    now = _of_both(join)
     for union, owners, places in _sharing(before):
-        for larger, others, further, shared in _of_both(join):
+        for larger, others, further, shared in now:
             if not set(union.members) <= set(larger.members):
                 continue
             for piece in np.intersect1d(owners, others):

@@ -8,7 +8,7 @@ from sherd.arrays import Bools
 from sherd.puzzle.growing.common_places import crowding, taken_by
 from sherd.puzzle.growing.union import Join, Union
 
-__all__ = ["CROWD", "UNASKED", "Growth", "chance_of", "odds_of"]
+__all__ = ["CROWD", "UNASKED", "Growth", "chance_of", "laid_there", "odds_of"]
 
 # Above all chances: who was never asked is asked first.
 UNASKED = 2.0
@@ -84,8 +84,8 @@ class Growth:
     def settle(self, join: Join, loser: tuple[int, ...]) -> None:
         """Keep who lost it from a place, and forget that it lay there."""
         self.settled.append((join, loser))
-        self.sure = [each for each in self.sure if not _lost(each, join, loser)]
-        self.likely = [each for each in self.likely if not _lost(each, join, loser)]
+        self.sure = [each for each in self.sure if not laid_there(each, join, loser)]
+        self.likely = [each for each in self.likely if not laid_there(each, join, loser)]
 
 
 def chance_of(join: Join) -> float:
@@ -96,6 +96,11 @@ def chance_of(join: Join) -> float:
 def odds_of(join: Join) -> float:
     """The same as odds."""
     return join.met.chance / (1.0 - join.met.chance)
+
+
+def laid_there(before: Join, join: Join, members: tuple[int, ...]) -> bool:
+    """Whether an earlier answer laid these members where the second of a join lies."""
+    return before.second.members == members and crowding(before, join) > CROWD
 
 
 def _members(join: Join) -> tuple[tuple[int, ...], tuple[int, ...]]:
@@ -109,8 +114,3 @@ def _are_parts(
     first, second = (set(each) for each in members)
     own, its = (set(each.members) for each in larger)
     return (own >= first and its >= second) or (own >= second and its >= first)
-
-
-def _lost(before: Join, join: Join, loser: tuple[int, ...]) -> bool:
-    """Whether an answer laid who lost a place there."""
-    return before.second.members == loser and crowding(before, join) > CROWD
