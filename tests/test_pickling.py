@@ -148,6 +148,7 @@ def joined() -> sherd.Joined:
         cycle_before=0.1,
         cycle_after=0.05,
         timings={"pairs": 1.0},
+        likely={1: 0.6},
         options=sherd.AssembleOptions(),
     )
 

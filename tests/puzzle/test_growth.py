@@ -11,7 +11,7 @@ import pytest
 
 from sherd.arrays import Bools, Ints
 from sherd.mesh.triangle_mesh import TriangleMesh
-from sherd.puzzle.growing import asking, growth, record
+from sherd.puzzle.growing import asking, completion, growth, record
 from sherd.puzzle.growing.growth import grown
 from sherd.puzzle.growing.union import Join, Union
 
@@ -43,19 +43,28 @@ def _joined_without_geometry(monkeypatch: pytest.MonkeyPatch) -> None:
         here, there = join.first, join.second
         return Union(here.mesh, here.owner, here.places, (*here.members, *there.members))
 
-    monkeypatch.setattr(growth, "united", stand_in)
+    for room in (growth, completion):
+        monkeypatch.setattr(room, "united", stand_in)
     monkeypatch.setattr(growth, "open_loop", lambda joins: np.inf)
     monkeypatch.setattr(growth, "laid_alike", lambda one, other: np.empty((0, 2), dtype=np.int64))
-    monkeypatch.setattr(asking, "recalled", lambda join, first, second: np.array([[7, 7]]))
-    monkeypatch.setattr(asking, "left_out", lambda before, join: 0.0)
+    for room in (asking, completion):
+        monkeypatch.setattr(room, "recalled", lambda join, first, second: np.array([[7, 7]]))
+        leave_out(monkeypatch, room, lambda before, join: 0.0)
+    monkeypatch.setattr(completion, "_lies_within", lambda join: False)
     for room in (growth, asking, record):
         monkeypatch.setattr(room, "taken_by", lambda join, union: np.array([True]))
     crowd(monkeypatch, lambda one, other: 0.0)
 
 
 def crowd(monkeypatch: pytest.MonkeyPatch, crowding: Callable[[Join, Join], float]) -> None:
-    for room in (growth, record):
+    for room in (growth, record, completion):
         monkeypatch.setattr(room, "crowding", crowding)
+
+
+def leave_out(
+    monkeypatch: pytest.MonkeyPatch, room: Any, share: Callable[[Join, Join], float]
+) -> None:
+    monkeypatch.setattr(room, "left_out", share)
 
 
 def test_a_chain_is_joined_and_what_is_foreign_stays_alone() -> None:
@@ -73,12 +82,13 @@ def test_a_chain_is_joined_and_what_is_foreign_stays_alone() -> None:
     assert set(found.chances) == set(asked)
 
 
-def test_a_twin_that_a_small_union_would_take_is_asked_again_first() -> None:
+def test_a_twin_that_a_small_union_would_take_is_asked_again_first(monkeypatch) -> None:
     def meet(first: Union, second: Union, known: Ints, taken: Bools | None) -> Any:
-        # alone 0 takes 2 for its own, but less surely than 1; with 1 it no longer does
+        # alone 0 takes 2 for its own, but less surely than 1; with 1 it lies elsewhere
         chance = {1: 0.95, 2: 0.9 if first.members == (0,) else 0.1}[second.members[0]]
         return answer(chance)
 
+    leave_out(monkeypatch, completion, lambda before, join: 1.0)
     found = grown(pieces(3), np.ones((3, 3)), meet)
     assert sorted(map(sorted, found.groups)) == [[0, 1], [2]]
 
@@ -130,6 +140,7 @@ def test_what_is_likely_where_it_surely_lay_is_joined(there, again, joined, monk
         return answer({1: 0.95, 2: 0.9 if first.members == (0,) else again}[second.members[0]])
 
     crowd(monkeypatch, crowding)
+    leave_out(monkeypatch, completion, lambda before, join: 1.0)
     found = grown(pieces(3), np.ones((3, 3)), meet)
     assert (len(found.groups) == 1) == joined
     if joined:
@@ -262,13 +273,17 @@ def test_what_leaves_out_what_was_likely_is_contradicted_by_it(
         asked.append(len(known))
         return answer(again if len(known) else 0.9)
 
-    def left_out(before: Join, join: Join) -> float:
-        return left if join.met.chance == 0.9 else 0.0
+    def elsewhere(join: Join) -> bool:
+        return 0.7 < join.met.chance <= 0.9
 
-    monkeypatch.setattr(asking, "left_out", left_out)
+    def left_out(before: Join, join: Join) -> float:
+        return left if elsewhere(before) != elsewhere(join) else 0.0
+
+    for room in (asking, completion):
+        leave_out(monkeypatch, room, left_out)
     found = grown(pieces(3), np.ones((3, 3)), meet)
     assert max(map(len, found.groups)) == joined
-    assert asked == ([0, 1] if left else [0])
+    assert asked[:2] == ([0, 1] if left else [0])
 
 
 def test_what_was_likely_is_asked_again_where_the_union_finds_nothing(monkeypatch) -> None:
@@ -280,3 +295,35 @@ def test_what_was_likely_is_asked_again_where_the_union_finds_nothing(monkeypatc
     monkeypatch.setattr(asking, "left_out", lambda before, join: float(join.met.chance == 0.0))
     found = grown(pieces(3), np.ones((3, 3)), meet)
     assert sorted(map(sorted, found.groups)) == [[0, 1, 2]]
+
+
+def likely(first: Union, second: Union, known: Ints, taken: Bools | None) -> Any:
+    """1 surely belongs to 0, and 2 likely, as 0 says; the group sees less of it."""
+    if second.members == (1,):
+        return answer(0.95)
+    return answer(0.6 if first.members == (0,) else 0.2)
+
+
+@pytest.mark.parametrize(
+    ("left", "within", "joined"), [(0.0, False, 3), (1.0, False, 2), (0.0, True, 2)]
+)
+def test_what_is_likely_is_joined_at_last_if_the_group_lies_there(
+    left, within, joined, monkeypatch
+) -> None:
+    leave_out(monkeypatch, completion, lambda before, join: left)
+    monkeypatch.setattr(completion, "_lies_within", lambda join: within)
+    found = grown(pieces(3), np.ones((3, 3)), likely)
+    assert max(map(len, found.groups)) == joined
+    assert [join.met.chance for join in found.last] == [0.6] * (joined - 2)
+
+
+def test_nothing_likely_is_joined_where_another_one_likely_lies(monkeypatch) -> None:
+    crowd(monkeypatch, lambda one, other: 0.9)
+
+    def meet(first: Union, second: Union, known: Ints, taken: Bools | None) -> Any:
+        alone = first.members == (0,) and second.members in ((1,), (2,))
+        return answer(0.6 if alone else 0.0)
+
+    found = grown(pieces(3), np.ones((3, 3)), meet)
+    assert len(found.groups) == 3
+    assert not found.last

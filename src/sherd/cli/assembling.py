@@ -143,7 +143,7 @@ def joined_summary(result: Joined, output: Path) -> str:
     """The answer in a few lines for the terminal."""
     lines = []
     for group in result.groups:
-        names = ", ".join(f"{k} {result.pieces[k].name}" for k in group)
+        names = ", ".join(f"{k} {result.named(k)}" for k in group)
         lines.append(f"together: {names}" if len(group) > 1 else f"alone: {names}")
     lines.append(f"Open {output / 'report.html'} to see it; numbers are in {output}.")
     return "\n".join(lines)

@@ -3,7 +3,8 @@
 Two small pieces share little with each other, and a left leg looks like a right one; with the union
 of what is joined already a piece shares more, and its own place there looks more like it than
 its twin's. So what was asked of a smaller union is asked again before it is believed. But a twin
-that was joined may draw it away from its own place; what was sure before is then recalled.
+that was joined may draw it away from its own place; what was sure before is then recalled. When
+nothing is sure any more, what is likely completes the groups.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from sherd.arrays import Floats
 from sherd.puzzle.growing.answer import JOINED
 from sherd.puzzle.growing.asking import LIKELY, Meet, asked
 from sherd.puzzle.growing.common_places import crowding, laid_alike, taken_by
+from sherd.puzzle.growing.completion import completed
 from sherd.puzzle.growing.joined_maps import open_loop
 from sherd.puzzle.growing.meeting import NOTHING_KNOWN
 from sherd.puzzle.growing.record import CROWD, UNASKED, Growth, chance_of, odds_of
@@ -69,7 +71,7 @@ def grown(pieces: Sequence[Union], evidence: Floats, meet: Meet) -> Growth:
             (growing if union in growing else done).remove(union)
         growth.joins.append(partner)
         growing.append(united(partner))
-    growth.groups = [union.members for union in done]
+    growth.groups = [union.members for union in completed(done, meet, growth)]
     return growth
 
 

@@ -25,6 +25,8 @@ class Growth:
     ----------
     joins
         In the order in which they were made.
+    last
+        The last of them, made when nothing was sure any more.
     sure
         What could have been joined, too.
     likely
@@ -42,6 +44,7 @@ class Growth:
     """
 
     joins: list[Join] = field(default_factory=list)
+    last: list[Join] = field(default_factory=list)
     sure: list[Join] = field(default_factory=list)
     likely: list[Join] = field(default_factory=list)
     groups: list[tuple[int, ...]] = field(default_factory=list)

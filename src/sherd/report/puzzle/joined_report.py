@@ -63,7 +63,7 @@ def joined_report(result: Joined, *, command: str = "") -> Report:
         summary=_sentences(result),
         facts={
             "Groups": {
-                f"{k}": ", ".join(f"{n} {result.pieces[n].name}" for n in group)
+                f"{k}": ", ".join(f"{n} {result.named(n)}" for n in group)
                 for k, group in enumerate(result.groups)
             },
             "Pairs": {
@@ -200,6 +200,7 @@ def _document(result: Joined, command: str) -> dict[str, Any]:
             {
                 **mesh_facts(piece, result.notices[k] if result.notices else ()),
                 "group": result.group_of[k],
+                "likely": result.likely.get(k),
                 "file": piece_file(k, "partners.csv"),
             }
             for k, piece in enumerate(result.pieces)
@@ -219,16 +220,18 @@ def _known(value: float) -> float | None:
 
 
 def _good(result: Joined) -> bool:
-    """Whether anything belongs together."""
-    return len(result.groups[0]) > 1
+    """Whether anything surely belongs together."""
+    sure = (sum(k not in result.likely for k in group) for group in result.groups)
+    return max(sure) > 1
 
 
 def _said(result: Joined) -> str:
     if not _good(result):
-        return "doubtful: no two pieces were found to share anything; do they overlap?"
+        return "doubtful: no two pieces were surely found to share anything; do they overlap?"
     alone = sum(len(group) == 1 for group in result.groups)
     together = len(result.groups) - alone
-    return f"good: {together} group{'s' * (together > 1)}, {alone} alone"
+    likely = f", {len(result.likely)} likely but not sure" if result.likely else ""
+    return f"good: {together} group{'s' * (together > 1)}, {alone} alone{likely}"
 
 
 def _pair_words(evidence: float, chance: float, *, asked: bool) -> str:
@@ -241,6 +244,11 @@ def _sentences(result: Joined) -> tuple[str, ...]:
     asked = sum(pair.asked for pair in result.pairs)
     said = [f"{len(result.pieces)} pieces form {len(result.groups)} groups."]
     said.append(f"{asked} of {len(result.pairs)} pairs were asked in full.")
+    said += [
+        f"{number} {result.pieces[number].name} is where it lies with a chance of {chance:.2f}, "
+        "which is not sure; look at it."
+        for number, chance in result.likely.items()
+    ]
     if np.isfinite(result.cycle_before):
         said.append(
             f"Around loops of three pieces a point comes back {result.cycle_before:.3f} away "

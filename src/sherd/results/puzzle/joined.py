@@ -70,6 +70,9 @@ class Joined(FrozenState):
         As given, and of sherd.
     notices
         What was adapted in each piece, in sentences.
+    likely
+        Of pieces that were joined last, when nothing was sure any more, the chance that they are
+        where they were laid; above a half.
     """
 
     pieces: tuple[TriangleMesh, ...]
@@ -82,6 +85,7 @@ class Joined(FrozenState):
     options: AssembleOptions
     version: str = field(default=__version__)
     notices: tuple[tuple[str, ...], ...] = ()
+    likely: Mapping[int, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if sorted(k for group in self.groups for k in group) != list(range(len(self.pieces))):
@@ -89,7 +93,7 @@ class Joined(FrozenState):
         for (here, there), found in self.maps.items():
             if len(found.points) != self.pieces[here].vertex_count:
                 raise InvalidMeshError(f"the map of piece {here} to {there} has another length")
-        for name in ("maps", "timings"):
+        for name in ("maps", "timings", "likely"):
             object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))
 
     def __repr__(self) -> str:
@@ -98,13 +102,16 @@ class Joined(FrozenState):
 
     def _repr_html_(self) -> str:
         rows = {
-            "groups": "; ".join(
-                ", ".join(self.pieces[k].name for k in group) for group in self.groups
-            ),
+            "groups": "; ".join(", ".join(self.named(k) for k in group) for group in self.groups),
             "pairs asked": str(sum(pair.asked for pair in self.pairs)),
             "cycle error": f"{self.cycle_before:.4f} before, {self.cycle_after:.4f} after",
         }
         return table_html(f"{len(self.pieces)} pieces", rows)
+
+    def named(self, number: int) -> str:
+        """The name of a piece, and how likely it belongs there if that is not sure."""
+        name = self.pieces[number].name
+        return f"{name} (likely, {self.likely[number]:.2f})" if number in self.likely else name
 
     @property
     def group_of(self) -> tuple[int, ...]:
