@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import jsonschema
@@ -11,6 +12,7 @@ import pytest
 from click.testing import CliRunner
 
 import sherd
+from sherd.cli.assembling import joined_summary
 from sherd.cli.main import main
 from sherd.errors import InputError
 from sherd.files.mesh_files import write_mesh
@@ -113,3 +115,16 @@ def test_one_piece_and_rigid_pieces_are_refused(pieces) -> None:
         sherd.join([pieces[0].mesh])
     with pytest.raises(InputError, match="on a whole"):
         sherd.join([piece.mesh for piece in pieces], rigid=True)
+
+
+def test_what_is_only_likely_is_said_to_be_so(answer: Joined, tmp_path: Path) -> None:
+    doubted = replace(answer, likely={1: 0.6})
+    document = sherd.write_report(doubted, tmp_path)
+    jsonschema.validate(document, json.loads(SCHEMA.read_text()))
+    assert [piece["likely"] for piece in document["pieces"]] == [None, 0.6, None, None]
+    assert document["status"] == "good"
+    assert "likely, 0.60" in joined_summary(doubted, tmp_path)
+    report = (tmp_path / "report.html").read_text()
+    assert "with a chance of 0.60" in report
+    nothing_sure = replace(answer, likely={0: 0.6, 1: 0.6})
+    assert sherd.write_report(nothing_sure, tmp_path / "doubtful")["status"] == "doubtful"
