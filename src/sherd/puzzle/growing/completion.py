@@ -26,14 +26,13 @@ def completed(groups: Sequence[Union], meet: Meet, growth: Growth) -> list[Union
     are asked with what was said.
     """
     found = list(groups)
-    joins = sorted(growth.likely, key=chance_of, reverse=True)
-    while joins:
-        before = joins.pop(0)
+    for before in sorted(growth.likely, key=chance_of, reverse=True):
         first, second = sorted(
             (_with(found, side) for side in (before.first, before.second)),
             key=lambda union: -union.mesh.area,
         )
-        if first is second or _lies_within(before):
+        # what is cheap to know is looked at before groups are asked again
+        if first is second or _lies_within(before) or _has_another(before, growth):
             continue
         join = _of_groups(before, first, second, meet, growth)
         if join is None or _lies_within(join) or _contradicted(join, before, found, growth):
@@ -68,17 +67,20 @@ def _lies_within(join: Join) -> bool:
     return lies_within(join.met.questions, join.met.placements)
 
 
-def _contradicted(join: Join, before: Join, groups: Sequence[Union], growth: Growth) -> bool:
-    """Whether the two were likely to lie elsewhere, or another one to lie in that place.
+def _has_another(before: Join, growth: Growth) -> bool:
+    """Whether what was joined lies in that place.
 
     Pieces overlap, so two may have one place rightly; but what is only likely does not tell.
     """
+    return any(crowding(before, made) > CROWD for made in growth.joins)
+
+
+def _contradicted(join: Join, before: Join, groups: Sequence[Union], growth: Growth) -> bool:
+    """Whether the two were likely to lie elsewhere, or another one to lie in that place."""
     if any(
         each is not before and left_out(each, join) > CROWD
         for each in growth.likely_before(join.first, join.second)
     ):
-        return True
-    if any(crowding(before, made) > CROWD for made in growth.joins):
         return True
     return any(
         crowding(join, each) > CROWD
