@@ -16,6 +16,7 @@ from sherd.correspondence.shared.hints import kept_shape
 from sherd.errors import InputError
 from sherd.output import Stages
 from sherd.overlap import check_overlap_sizes
+from sherd.puzzle.growing.across import laid_across
 from sherd.puzzle.growing.answer import Meeting
 from sherd.puzzle.growing.growth import grown
 from sherd.puzzle.growing.joined_maps import direct_maps
@@ -110,7 +111,8 @@ def join(
         evidence = pair_evidence([describe(shape.mesh, unit) for shape in shapes], options.seed)
     with stages("growth"):
         alone = [Union.of_piece(shape.mesh, number) for number, shape in enumerate(shapes)]
-        growth = grown(alone, evidence, _Asking(options.seed, describe, stages))
+        asking = _Asking(options.seed, describe, stages)
+        growth = grown(alone, evidence, asking, asking.across)
     originals = [intake.original for intake in intakes]
     with stages("synchronization"):
         direct = direct_maps(originals, growth.joins)
@@ -162,6 +164,11 @@ class _Asking:
     def __call__(self, first: Union, second: Union, known: Ints, taken: Bools | None) -> Meeting:
         self.stages.show(f"growth: {_named(first)} and {_named(second)}")
         return meeting(first.mesh, second.mesh, self.seed, known, taken, self.describe)
+
+    def across(self, first: Union, second: Union) -> Meeting | None:
+        """Where the second lies across from its twin; see :func:`laid_across`."""
+        self.stages.show(f"growth: {_named(first)} and the mirror image of {_named(second)}")
+        return laid_across(first.mesh, second.mesh, self.seed)
 
 
 def _named(union: Union) -> str:

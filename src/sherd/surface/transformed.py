@@ -12,7 +12,7 @@ from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.surface.described import NO_CUT, DescribedSurface, Known
 from sherd.surface.working import WorkingSurface
 
-__all__ = ["enlarged", "mirrored", "sampled_within", "thinned"]
+__all__ = ["FLIP", "enlarged", "mirrored", "sampled_within", "thinned"]
 
 FLIP = np.array([-1.0, 1.0, 1.0])
 

@@ -1,24 +1,35 @@
 """What is likely when nothing is sure any more: the last limbs, each of which is seen at its joint.
 
 While groups grow only what is sure is joined, since a wrong piece draws others after it. At the end
-nothing follows, so what is more likely right than not belongs, unless something contradicts it.
+nothing follows, so what is more likely right than not belongs, unless something contradicts it; and
+then who is still alone is asked whether the largest group has its twin.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from itertools import combinations
 
-from sherd.puzzle.growing.asking import Meet
+from sherd.puzzle.growing.answer import Meeting
+from sherd.puzzle.growing.asking import LIKELY, Meet
 from sherd.puzzle.growing.common_places import crowding, left_out, recalled
 from sherd.puzzle.growing.join_chance import lies_within
 from sherd.puzzle.growing.record import CROWD, Growth, chance_of
 from sherd.puzzle.growing.union import Join, Union, united
 
-__all__ = ["completed"]
+__all__ = ["Across", "completed"]
+
+# The larger union and the other one; where that lies across from its twin, None if it does not.
+Across = Callable[[Union, Union], Meeting | None]
 
 
-def completed(groups: Sequence[Union], meet: Meet, growth: Growth) -> list[Union]:
+def completed(groups: Sequence[Union], meet: Meet, across: Across, growth: Growth) -> list[Union]:
+    """Groups, joined where that was found likely, then where the largest one has their twins."""
+    return _with_twins(_with_likely(groups, meet, growth), across, growth)
+
+
+def _with_likely(groups: Sequence[Union], meet: Meet, growth: Growth) -> list[Union]:
     """Groups, joined where that was found likely and is not contradicted; the likeliest first.
 
     Of what was likely of parts the whole may see less, as the more of a union is carried along the
@@ -37,11 +48,42 @@ def completed(groups: Sequence[Union], meet: Meet, growth: Growth) -> list[Union
         join = _of_groups(before, first, second, meet, growth)
         if join is None or _lies_within(join) or _contradicted(join, before, found, growth):
             continue
-        found = [each for each in found if each is not first and each is not second]
-        found.append(united(join))
-        growth.joins.append(join)
-        growth.last.append(join)
+        found = _joined(found, join, growth)
     return found
+
+
+def _with_twins(groups: Sequence[Union], across: Across, growth: Growth) -> list[Union]:
+    """Groups, joined where one lies across from its twin in the largest; the likeliest first.
+
+    Who was joined may have the place of who comes later, or its twin, so these are asked again. Two
+    that claim one place contradict each other, as one of them may be another body's limb. A single
+    piece has seldom both sides of a body, and is not asked.
+    """
+    found = list(groups)
+    while True:
+        largest, *others = sorted(found, key=lambda union: -union.mesh.area)
+        if len(largest.members) == 1:
+            return found
+        answers = [(other, across(largest, other)) for other in others]
+        joins = [
+            Join(largest, other, met)
+            for other, met in answers
+            if met is not None and met.chance >= LIKELY
+        ]
+        rivals = {
+            id(each) for pair in combinations(joins, 2) if crowding(*pair) > CROWD for each in pair
+        }
+        joins = [join for join in joins if id(join) not in rivals]
+        if not joins:
+            return found
+        found = _joined(found, max(joins, key=chance_of), growth)
+
+
+def _joined(groups: Sequence[Union], join: Join, growth: Growth) -> list[Union]:
+    growth.joins.append(join)
+    growth.last.append(join)
+    others = [each for each in groups if each is not join.first and each is not join.second]
+    return [*others, united(join)]
 
 
 def _with(groups: Sequence[Union], part: Union) -> Union:

@@ -16,7 +16,7 @@ from sherd.arrays import Floats
 from sherd.puzzle.growing.answer import JOINED
 from sherd.puzzle.growing.asking import LIKELY, Meet, asked
 from sherd.puzzle.growing.common_places import crowding, laid_alike, taken_by
-from sherd.puzzle.growing.completion import completed
+from sherd.puzzle.growing.completion import Across, completed
 from sherd.puzzle.growing.joined_maps import open_loop
 from sherd.puzzle.growing.meeting import NOTHING_KNOWN
 from sherd.puzzle.growing.record import CROWD, UNASKED, Growth, chance_of, odds_of
@@ -44,7 +44,7 @@ OVERLAPPING = 0.06
 LOOP = 0.06
 
 
-def grown(pieces: Sequence[Union], evidence: Floats, meet: Meet) -> Growth:
+def grown(pieces: Sequence[Union], evidence: Floats, meet: Meet, across: Across) -> Growth:
     """Join what belongs together.
 
     Parameters
@@ -55,6 +55,8 @@ def grown(pieces: Sequence[Union], evidence: Floats, meet: Meet) -> Growth:
         (k, k) symmetric, how much speaks for asking two pieces.
     meet
         Asks two unions, the larger one first; what is given besides is known of them.
+    across
+        Asks two unions whether the larger one has the twin of the other, when all else is done.
     """
     growth = Growth()
     growing = list(pieces)
@@ -71,7 +73,7 @@ def grown(pieces: Sequence[Union], evidence: Floats, meet: Meet) -> Growth:
             (growing if union in growing else done).remove(union)
         growth.joins.append(partner)
         growing.append(united(partner))
-    growth.groups = [union.members for union in completed(done, meet, growth)]
+    growth.groups = [union.members for union in completed(done, meet, across, growth)]
     return growth
 
 

@@ -31,7 +31,7 @@ from sherd.puzzle.growing.join_chance import (
 from sherd.puzzle.growing.sliding import alike_in_reliefs
 from sherd.threads import side_by_side
 
-__all__ = ["SlidChance", "chance_as_it_lies", "chance_where_it_slid"]
+__all__ = ["SlidChance", "chance_as_it_lies", "chance_where_it_slid", "least_alike"]
 
 # A slide finds the most alike of what is near, and a rank correlation of n independent places
 # scatters by 1 / sqrt(n) where nothing is alike. So reliefs must be as alike as so much over the
@@ -205,7 +205,7 @@ def _skin(
     bulging = alike_in_form(questions, placements)
     features = np.array([1.0, likeness.handed, likeness.leading, strain, bulging])
     seen = float(1.0 / (1.0 + np.exp(-features @ np.array(SLID_COEFFICIENTS))))
-    alike = alike_in_reliefs(questions, placements) - _least_alike(area)
+    alike = alike_in_reliefs(questions, placements) - least_alike(area)
     handed = _handed(questions, placements, likeness)
     return _Skin(seen, alike, handed, likeness.leading, ends_with_one(questions, placements))
 
@@ -227,7 +227,7 @@ def _handed(
     return 0.5 * (likeness.handed + float(np.mean(told))) if told else likeness.handed
 
 
-def _least_alike(area: float) -> float:
+def least_alike(area: float) -> float:
     """How alike reliefs of an area must be."""
     root = max(math.sqrt(area), 1e-12)
     most = max(MOST_UNLIKE, ACCIDENT / root)

@@ -1,0 +1,107 @@
+"""The last limb lies across from its twin, if its mirror image lies on that."""
+
+from __future__ import annotations
+
+from functools import cache
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.spatial import cKDTree
+
+from sherd.errors import InfeasibleError
+from sherd.mesh.triangle_mesh import TriangleMesh
+from sherd.puzzle.growing import across as module
+from sherd.puzzle.growing.across import MOST_ACROSS, laid_across, mirror_image, on_its_twin
+from sherd.puzzle.growing.answer import JOINED
+from sherd.shapes import Fragment, creature, cut_by_ball, landmarks, whole
+from sherd.shapes.fragment import cut_by_level
+from sherd.spectral.geodesics import Geodesics
+
+
+@cache
+def body_without_a_leg() -> Fragment:
+    full = creature(5000)
+    away = Geodesics(full).distances_from([landmarks(full)["left_front_hoof"]])[0]
+    return cut_by_level(whole(full, full), away - 0.3)
+
+
+@cache
+def walking(name: str, radius: float = 0.55) -> Fragment:
+    full = creature(5000)
+    return cut_by_ball(whole(creature(5000, pose="walk"), full), landmarks(full)[name], radius)
+
+
+def test_a_leg_whose_mirror_image_lies_on_its_twin_is_laid_across_from_that() -> None:
+    body, leg = body_without_a_leg(), walking("left_front_hoof")
+    met = laid_across(body.mesh, leg.mesh, 0)
+    assert met is not None
+    # likely, but another animal's leg would lie there as well
+    assert met.chance == pytest.approx(MOST_ACROSS)
+    question, place = met.questions[0], met.placements[0]
+    full = creature(5000)
+    length = full.length
+    here = cKDTree(question.part.placed.vertices).query(question.part.mesh.vertices)[1]
+    there = place.trip.points.nearest_vertices(question.full.mesh)
+    on = cKDTree(question.full.placed.vertices).query(question.full.mesh.vertices[there])[1]
+    off = body.truth.positions(full)[on] - leg.truth.positions(full)[here]
+    error = np.linalg.norm(off, axis=1)[place.shared] / length
+    assert error.mean() < 0.02
+    # of the leg the body has what is farther from its hoof than 0.3 of 0.55
+    assert 0.5 < np.average(place.shared, weights=question.part.mesh.vertex_areas) < 0.95
+
+
+def test_what_the_body_has_lies_within_it_and_not_across() -> None:
+    body = body_without_a_leg()
+    assert laid_across(body.mesh, walking("right_front_hoof").mesh, 0) is None
+    assert laid_across(body.mesh, walking("tail_tip", 0.4).mesh, 0) is None
+
+
+def bottle() -> TriangleMesh:
+    """A closed round thing with a neck, as large as a leg."""
+    turn, height = np.meshgrid(np.arange(40) * np.pi / 20, np.linspace(0, 1, 40), indexing="ij")
+    radius = 0.03 + 0.12 * np.exp(-20 * (height - 0.3) ** 2)
+    points = np.stack([radius * np.cos(turn), radius * np.sin(turn), height], axis=2)
+    number = np.arange(1600).reshape(40, 40)
+    right = np.roll(number, -1, axis=0)
+    corners = number[:, :-1], right[:, :-1], right[:, 1:], number[:, 1:]
+    halves = [np.stack([corners[k] for k in half], axis=2) for half in ((0, 1, 2), (0, 2, 3))]
+    faces = np.concatenate([half.reshape(-1, 3) for half in halves])
+    return TriangleMesh(points.reshape(-1, 3), faces, name="bottle")
+
+
+def test_what_is_no_limb_lies_nowhere() -> None:
+    assert laid_across(body_without_a_leg().mesh, bottle(), 0) is None
+
+
+@pytest.mark.parametrize(("as_it_is", "stands"), [(0.7, True), (0.9, False), (None, True)])
+def test_what_rather_lies_there_as_it_is_is_no_mirror_image(as_it_is, stands, monkeypatch) -> None:
+    body = body_without_a_leg().mesh
+    image: Any = SimpleNamespace(best=SimpleNamespace(score=0.8), twin_score=as_it_is)
+
+    def matched(first: TriangleMesh, second: TriangleMesh, seed: int) -> Any:
+        assert np.allclose(second.vertices[:, 0], -body.vertices[:, 0])
+        return image
+
+    monkeypatch.setattr(module, "_matched", matched)
+    assert (on_its_twin(body, body, 0) is image) == stands
+
+
+def test_what_cannot_be_matched_has_no_twin(monkeypatch) -> None:
+    def matched(*_: Any) -> Any:
+        raise InfeasibleError("a dot")
+
+    monkeypatch.setattr(module, "_matched", matched)
+    body = body_without_a_leg().mesh
+    assert on_its_twin(body, body, 0) is None
+
+
+def test_a_mirror_image_is_turned_outward() -> None:
+    full = creature(5000)
+    normals = mirror_image(full).vertex_normals
+    assert np.allclose(normals * [-1, 1, 1], full.vertex_normals)
+
+
+def test_what_is_across_from_a_twin_is_never_sure() -> None:
+    assert MOST_ACROSS < JOINED
