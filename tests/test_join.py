@@ -14,7 +14,7 @@ from click.testing import CliRunner
 import sherd
 from sherd.cli.assembling import joined_summary
 from sherd.cli.main import main
-from sherd.errors import InputError
+from sherd.errors import InputError, InvalidMeshError
 from sherd.files.mesh_files import write_mesh
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.report.stored.folder import folder_problems
@@ -126,5 +126,15 @@ def test_what_is_only_likely_is_said_to_be_so(answer: Joined, tmp_path: Path) ->
     assert "likely, 0.60" in joined_summary(doubted, tmp_path)
     report = (tmp_path / "report.html").read_text()
     assert "with a chance of 0.60" in report
+    assert "twin" not in report
+    assert not any(piece["by_twin"] for piece in document["pieces"])
+    by_twin = replace(doubted, by_twin=(1,))
+    told = sherd.write_report(by_twin, tmp_path / "twin")
+    jsonschema.validate(told, json.loads(SCHEMA.read_text()))
+    assert [piece["by_twin"] for piece in told["pieces"]] == [False, True, False, False]
+    assert "likely by its twin, 0.60" in joined_summary(by_twin, tmp_path)
+    assert "Only its twin tells" in (tmp_path / "twin" / "report.html").read_text()
+    with pytest.raises(InvalidMeshError, match="chance"):
+        replace(answer, by_twin=(1,))
     nothing_sure = replace(answer, likely={0: 0.6, 1: 0.6})
     assert sherd.write_report(nothing_sure, tmp_path / "doubtful")["status"] == "doubtful"

@@ -149,6 +149,7 @@ def joined() -> sherd.Joined:
         cycle_after=0.05,
         timings={"pairs": 1.0},
         likely={1: 0.6},
+        by_twin=(1,),
         options=sherd.AssembleOptions(),
     )
 

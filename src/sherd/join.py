@@ -80,8 +80,8 @@ def join(
     of both, in the pose of the larger, is asked again. The others are those that a few nodes of
     each pair rank first, at a tenth of the cost of a question. Seven pieces take about twenty
     questions. Pieces that share a tenth or less are mostly not found to belong together. At last
-    what is more likely right than not is joined, too, if nothing contradicts it; see
-    :attr:`Joined.likely`.
+    what is more likely right than not is joined, too, if nothing contradicts it, and what lies
+    across from its twin; see :attr:`Joined.likely` and :attr:`Joined.by_twin`.
 
     Examples
     --------
@@ -150,6 +150,7 @@ def join(
         likely=MappingProxyType(
             {member: join.met.chance for join in growth.last for member in join.second.members}
         ),
+        by_twin=tuple(sorted(member for join in growth.across for member in join.second.members)),
     )
 
 

@@ -351,7 +351,8 @@ def test_who_is_alone_is_asked_at_last_whether_the_largest_group_has_its_twin() 
     found = grown(pieces(5), np.ones((5, 5)), only_a_pair, across)
     assert sorted(map(sorted, found.groups)) == [[0, 1, 2, 3], [4]]
     assert [join.met.chance for join in found.last] == [0.7, 0.6]
-    assert found.joins[1:] == found.last
+    assert found.joins[1:] == found.last == found.across
+    assert found.chances[(0, 1, 2), (3,)] == 0.6
     assert sorted(asked[3:5]) == [((0, 1, 2), (3,)), ((0, 1, 2), (4,))]
     assert asked[5:] == [((0, 1, 2, 3), (4,))]
 

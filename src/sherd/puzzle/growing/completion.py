@@ -76,7 +76,10 @@ def _with_twins(groups: Sequence[Union], across: Across, growth: Growth) -> list
         joins = [join for join in joins if id(join) not in rivals]
         if not joins:
             return found
-        found = _joined(found, max(joins, key=chance_of), growth)
+        best = max(joins, key=chance_of)
+        growth.across.append(best)
+        growth.chances[best.first.members, best.second.members] = best.met.chance
+        found = _joined(found, best, growth)
 
 
 def _joined(groups: Sequence[Union], join: Join, growth: Growth) -> list[Union]:

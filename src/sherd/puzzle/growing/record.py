@@ -27,6 +27,8 @@ class Growth:
         In the order in which they were made.
     last
         The last of them, made when nothing was sure any more.
+    across
+        The last of these, of what lies across from its twin.
     sure
         What could have been joined, too.
     likely
@@ -45,6 +47,7 @@ class Growth:
 
     joins: list[Join] = field(default_factory=list)
     last: list[Join] = field(default_factory=list)
+    across: list[Join] = field(default_factory=list)
     sure: list[Join] = field(default_factory=list)
     likely: list[Join] = field(default_factory=list)
     groups: list[tuple[int, ...]] = field(default_factory=list)

@@ -201,6 +201,7 @@ def _document(result: Joined, command: str) -> dict[str, Any]:
                 **mesh_facts(piece, result.notices[k] if result.notices else ()),
                 "group": result.group_of[k],
                 "likely": result.likely.get(k),
+                "by_twin": k in result.by_twin,
                 "file": piece_file(k, "partners.csv"),
             }
             for k, piece in enumerate(result.pieces)
@@ -244,11 +245,7 @@ def _sentences(result: Joined) -> tuple[str, ...]:
     asked = sum(pair.asked for pair in result.pairs)
     said = [f"{len(result.pieces)} pieces form {len(result.groups)} groups."]
     said.append(f"{asked} of {len(result.pairs)} pairs were asked in full.")
-    said += [
-        f"{number} {result.pieces[number].name} is where it lies with a chance of {chance:.2f}, "
-        "which is not sure; look at it."
-        for number, chance in result.likely.items()
-    ]
+    said += [_likely_words(result, number) for number in result.likely]
     if np.isfinite(result.cycle_before):
         said.append(
             f"Around loops of three pieces a point comes back {result.cycle_before:.3f} away "
@@ -256,6 +253,19 @@ def _sentences(result: Joined) -> tuple[str, ...]:
             "sqrt(area) of the largest piece."
         )
     return tuple(said)
+
+
+def _likely_words(result: Joined, number: int) -> str:
+    said = (
+        f"{number} {result.pieces[number].name} is where it lies with a chance of "
+        f"{result.likely[number]:.2f}, which is not sure; look at it."
+    )
+    if number not in result.by_twin:
+        return said
+    return (
+        f"{said} Only its twin tells, on which its mirror image lies; so would that of another "
+        "body of the same kind."
+    )
 
 
 def stored_partners(table: Mapping[str, Any]) -> Partners:

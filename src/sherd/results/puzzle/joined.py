@@ -73,6 +73,9 @@ class Joined(FrozenState):
     likely
         Of pieces that were joined last, when nothing was sure any more, the chance that they are
         where they were laid; above a half.
+    by_twin
+        Those of them, in order, that are told by their twin alone: the mirror image of a limb lies
+        on the other limb of the pair. So would that of another body of the same kind.
     """
 
     pieces: tuple[TriangleMesh, ...]
@@ -86,6 +89,7 @@ class Joined(FrozenState):
     version: str = field(default=__version__)
     notices: tuple[tuple[str, ...], ...] = ()
     likely: Mapping[int, float] = field(default_factory=dict)
+    by_twin: tuple[int, ...] = ()
 
     def __post_init__(self) -> None:
         if sorted(k for group in self.groups for k in group) != list(range(len(self.pieces))):
@@ -95,6 +99,8 @@ class Joined(FrozenState):
                 raise InvalidMeshError(f"the map of piece {here} to {there} has another length")
         for name in ("maps", "timings", "likely"):
             object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))
+        if not set(self.by_twin) <= set(self.likely):
+            raise InvalidMeshError("what a twin tells is likely, so `likely` has its chance")
 
     def __repr__(self) -> str:
         sizes = ", ".join(str(len(group)) for group in self.groups)
@@ -111,7 +117,10 @@ class Joined(FrozenState):
     def named(self, number: int) -> str:
         """The name of a piece, and how likely it belongs there if that is not sure."""
         name = self.pieces[number].name
-        return f"{name} (likely, {self.likely[number]:.2f})" if number in self.likely else name
+        if number not in self.likely:
+            return name
+        reason = " by its twin" if number in self.by_twin else ""
+        return f"{name} (likely{reason}, {self.likely[number]:.2f})"
 
     @property
     def group_of(self) -> tuple[int, ...]:
