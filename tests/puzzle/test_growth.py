@@ -322,6 +322,22 @@ def test_what_is_likely_is_joined_at_last_if_the_group_lies_there(
     assert [join.met.chance for join in found.last] == [0.6] * (joined - 2)
 
 
+@pytest.mark.parametrize(
+    ("by_skin", "twin", "joined"), [(0.6, False, 3), (0.4, False, 2), (0.6, True, 2)]
+)
+def test_at_last_the_skin_alone_makes_an_answer_likely(by_skin, twin, joined) -> None:
+    """But not that of what is laid on its twin."""
+
+    def meet(first: Union, second: Union, known: Ints, taken: Bools | None) -> Any:
+        if second.members == (1,):
+            return answer(0.95)
+        return answer(0.1, by_skin=by_skin, twin=twin)
+
+    found = grown(pieces(3), np.ones((3, 3)), meet, no_twins)
+    assert max(map(len, found.groups)) == joined
+    assert [join.met.chance for join in found.last] == [by_skin] * (joined - 2)
+
+
 def test_nothing_likely_is_joined_where_another_one_likely_lies(monkeypatch) -> None:
     crowd(monkeypatch, lambda one, other: 0.9)
 

@@ -32,7 +32,7 @@ from sherd.puzzle.growing.asking import LIKELY
 from sherd.puzzle.growing.join_chance import ends_with_one, lies_within
 from sherd.puzzle.growing.meeting import NOTHING_KNOWN
 from sherd.puzzle.growing.skin_chance import least_alike
-from sherd.puzzle.growing.sliding import alike_in_reliefs
+from sherd.puzzle.growing.sliding import alike_in_reliefs, slid
 from sherd.results.match_options import MatchOptions
 from sherd.results.match_result import MatchResult
 from sherd.results.overlap_options import OverlapOptions
@@ -49,10 +49,10 @@ __all__ = ["MOST_ACROSS", "laid_across", "mirror_image", "on_its_twin", "twin_fe
 
 # Of one, the logit of the chance that the match of the mirror image has, and how much more alike
 # reliefs are there than they must be. A logistic regression, weights kept small, over 59 pieces
-# asked beside unions of four to six pieces of a horse, two men and a cat: of the same body in other
-# poses and cut elsewhere, 12 of them right, and of other species; wrong ones counting twice. Of
-# right ones one is below 0.65, of wrong ones none is above 0.26. With each shape left out in turn
-# right ones have 0.55 and more, wrong ones 0.37 at most.
+# asked beside unions of three to five pieces of a horse, two men and a cat: of the same body in
+# other poses and cut elsewhere, 12 of them right, and of other species; wrong ones counting twice.
+# Of right ones one is below 0.65, of wrong ones none is above 0.26. With each shape left out in
+# turn right ones have 0.55 and more, wrong ones 0.37 at most.
 TWIN_COEFFICIENTS = (-2.7, 2.6, 8.1)
 # Limbs of another body of the same kind lie on the twin as well: two arms of a man on another one
 # 0.99, a leg of one generated animal on another one 0.99. So what is told by a twin is likely, and
@@ -113,6 +113,7 @@ def laid_across(first: TriangleMesh, second: TriangleMesh, seed: int) -> Meeting
         return None
     if lies_within(met.questions, met.placements):
         return None
+    met = _where_reliefs_agree(met)
     chance *= symmetry * ends_with_one(met.questions, met.placements)
     return replace(met, chance=float(np.clip(chance, LEAST, MOST_ACROSS)))
 
@@ -251,6 +252,13 @@ def _met(first: TriangleMesh, second: TriangleMesh, told: Told, seed: int) -> Me
     strain = OverlapOptions().strain
     placements = placed_where_told(questions, queries, targets, known, strain=strain)
     return Meeting(questions, queries, placements, LEAST, twin=False)
+
+
+def _where_reliefs_agree(met: Meeting) -> Meeting:
+    """Slid along the skin, which is stretched at a joint, if reliefs are more alike there."""
+    found = slid(met.questions, met.placements, strain=OverlapOptions().strain)
+    before, after = (alike_in_reliefs(met.questions, each) for each in (met.placements, found))
+    return replace(met, placements=found) if after > before else met
 
 
 def _quiet() -> Stages:

@@ -32,6 +32,8 @@ def asked(first: Union, second: Union, meet: Meet, growth: Growth) -> Join:
     join = _answered(first, second, meet, growth)
     if join.met.chance >= LIKELY:
         growth.likely.append(join)
+    elif join.met.by_skin >= LIKELY and not join.met.twin:
+        growth.by_skin.append(replace(join, met=replace(join.met, chance=join.met.by_skin)))
     return join
 
 

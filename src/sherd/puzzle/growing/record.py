@@ -33,6 +33,8 @@ class Growth:
         What could have been joined, too.
     likely
         What was more likely right than not when it was asked.
+    by_skin
+        What was, by the skin that is shared alone, with that chance.
     groups
         The members of each union at the end.
     chances
@@ -50,6 +52,7 @@ class Growth:
     across: list[Join] = field(default_factory=list)
     sure: list[Join] = field(default_factory=list)
     likely: list[Join] = field(default_factory=list)
+    by_skin: list[Join] = field(default_factory=list)
     groups: list[tuple[int, ...]] = field(default_factory=list)
     chances: dict[tuple[tuple[int, ...], tuple[int, ...]], float] = field(default_factory=dict)
     aside: dict[tuple[tuple[int, ...], tuple[int, ...]], Join] = field(default_factory=dict)
@@ -92,6 +95,7 @@ class Growth:
         self.settled.append((join, loser))
         self.sure = [each for each in self.sure if not laid_there(each, join, loser)]
         self.likely = [each for each in self.likely if not laid_there(each, join, loser)]
+        self.by_skin = [each for each in self.by_skin if not laid_there(each, join, loser)]
 
 
 def chance_of(join: Join) -> float:
