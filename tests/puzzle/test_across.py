@@ -75,10 +75,16 @@ def test_what_is_no_limb_lies_nowhere() -> None:
     assert laid_across(body_without_a_leg().mesh, bottle(), 0) is None
 
 
-@pytest.mark.parametrize(("as_it_is", "stands"), [(0.7, True), (0.9, False), (None, True)])
-def test_what_rather_lies_there_as_it_is_is_no_mirror_image(as_it_is, stands, monkeypatch) -> None:
+@pytest.mark.parametrize(
+    ("as_it_is", "covered", "stands"),
+    [(0.7, 0.2, True), (0.9, 0.2, False), (None, 0.2, True), (0.7, 1.0, False)],
+)
+def test_what_lies_there_as_it_is_or_covers_the_body_is_no_mirror_image_of_a_limb(
+    as_it_is, covered, stands, monkeypatch
+) -> None:
     body = body_without_a_leg().mesh
-    image: Any = SimpleNamespace(best=SimpleNamespace(score=0.8), twin_score=as_it_is)
+    mask = np.arange(body.vertex_count) < covered * body.vertex_count
+    image: Any = SimpleNamespace(best=SimpleNamespace(score=0.8, mask=mask), twin_score=as_it_is)
 
     def matched(first: TriangleMesh, second: TriangleMesh, seed: int) -> Any:
         assert np.allclose(second.vertices[:, 0], -body.vertices[:, 0])

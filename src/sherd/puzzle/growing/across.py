@@ -58,6 +58,8 @@ TWIN_COEFFICIENTS = (-2.7, 2.6, 8.1)
 # 0.99, a leg of one generated animal on another one 0.99. So what is told by a twin is likely, and
 # never sure: this is just below what is joined while groups grow.
 MOST_ACROSS = 0.75
+# A limb has less than half of its body.
+LIMB = 0.5
 # So many places of the body say by their distances where a limb lies, and so many of the limb ask:
 # the labels of a limb are a few dozen.
 LANDMARKS, ASKING = 120, 200
@@ -121,14 +123,17 @@ def laid_across(first: TriangleMesh, second: TriangleMesh, seed: int) -> Meeting
 def on_its_twin(first: TriangleMesh, second: TriangleMesh, seed: int) -> MatchResult | None:
     """The mirror image of the second surface matched on the first.
 
-    None where it cannot be, or would rather lie there as it is.
+    None where it cannot be, where it would rather lie there as it is, and where it covers so much
+    that no body is left that could have two sides.
     """
     try:
         found = _matched(first, mirror_image(second), seed)
     except InfeasibleError:  # only what is larger than its whole, or a dot on it
         return None
     as_it_is = found.twin_score
-    return found if as_it_is is None or found.best.score > as_it_is else None
+    mirrored = as_it_is is None or found.best.score > as_it_is
+    covered = float(first.vertex_areas @ found.best.mask) / first.area
+    return found if mirrored and covered < LIMB else None
 
 
 def twin_features(image: MatchResult, lying: Meeting) -> Floats:
