@@ -58,6 +58,7 @@ def _joined_without_geometry(monkeypatch: pytest.MonkeyPatch) -> None:
     for room in (growth, asking, record):
         monkeypatch.setattr(room, "taken_by", lambda join, union: np.array([True]))
     crowd(monkeypatch, lambda one, other: 0.0)
+    monkeypatch.setattr(asking, "_common_area", lambda join: join.first.mesh.area)
 
 
 def crowd(monkeypatch: pytest.MonkeyPatch, crowding: Callable[[Join, Join], float]) -> None:
@@ -390,3 +391,16 @@ def test_a_single_piece_is_not_asked_for_twins() -> None:
         raise AssertionError("asked for a twin")
 
     assert len(grown(pieces(3), np.ones((3, 3)), nothing, across).groups) == 3
+
+
+@pytest.mark.parametrize(("share", "groups"), [(0.1, [[0], [1, 2]]), (0.04, [[0], [1], [2]])])
+def test_strangers_to_the_largest_piece_are_joined_by_much_only(share, groups, monkeypatch) -> None:
+    """Not at last either, when what is likely is joined."""
+
+    def meet(first: Union, second: Union, known: Ints, taken: Bools | None) -> Any:
+        return answer(0.9 if 0 not in (*first.members, *second.members) else 0.0)
+
+    some = pieces(3)
+    monkeypatch.setattr(asking, "_common_area", lambda join: share * some[0].mesh.area)
+    found = grown(some, np.ones((3, 3)), meet, no_twins)
+    assert sorted(map(sorted, found.groups)) == groups

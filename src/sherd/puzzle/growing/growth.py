@@ -14,7 +14,7 @@ from functools import cache
 
 from sherd.arrays import Floats
 from sherd.puzzle.growing.answer import JOINED
-from sherd.puzzle.growing.asking import LIKELY, Meet, asked
+from sherd.puzzle.growing.asking import LIKELY, Meet, asked, unless_strangers
 from sherd.puzzle.growing.common_places import crowding, laid_alike, taken_by
 from sherd.puzzle.growing.completion import Across, completed
 from sherd.puzzle.growing.joined_maps import open_loop
@@ -58,7 +58,7 @@ def grown(pieces: Sequence[Union], evidence: Floats, meet: Meet, across: Across)
     across
         Asks two unions whether the larger one has the twin of the other, when all else is done.
     """
-    growth = Growth()
+    growth = Growth(max(pieces, key=lambda piece: piece.mesh.area))
     growing = list(pieces)
     done: list[Union] = []
     while growing:
@@ -103,6 +103,7 @@ def _surest(
         if key in growth.chances and key not in growth.aside:
             continue  # asked as they are, and not joined
         join = growth.aside.pop(key, None) or asked(first, second, meet, growth)
+        join = unless_strangers(join, growth)
         growth.chances[key] = join.met.chance
         if join.met.chance >= JOINED:
             growth.sure.append(join)

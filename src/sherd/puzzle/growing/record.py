@@ -23,6 +23,8 @@ class Growth:
 
     Attributes
     ----------
+    largest
+        The largest piece, from which the first group grows.
     joins
         In the order in which they were made.
     last
@@ -47,6 +49,7 @@ class Growth:
         What has a disputed place, and the members of who does not lie there.
     """
 
+    largest: Union
     joins: list[Join] = field(default_factory=list)
     last: list[Join] = field(default_factory=list)
     across: list[Join] = field(default_factory=list)
@@ -96,6 +99,16 @@ class Growth:
         self.sure = [each for each in self.sure if not laid_there(each, join, loser)]
         self.likely = [each for each in self.likely if not laid_there(each, join, loser)]
         self.by_skin = [each for each in self.by_skin if not laid_there(each, join, loser)]
+
+    def forget(self, join: Join) -> None:
+        """Forget that what was said of two unions was likely."""
+        self.likely = [each for each in self.likely if not _same(each, join)]
+        self.by_skin = [each for each in self.by_skin if not _same(each, join)]
+
+
+def _same(one: Join, other: Join) -> bool:
+    """Whether both are answers of the same two unions."""
+    return one.first is other.first and one.second is other.second
 
 
 def chance_of(join: Join) -> float:
