@@ -13,11 +13,12 @@ from scipy.spatial import cKDTree
 from sherd.errors import InfeasibleError
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.puzzle.growing import across as module
-from sherd.puzzle.growing.across import MOST_ACROSS, laid_across, mirror_image, on_its_twin
+from sherd.puzzle.growing.across import MOST_ACROSS, laid_across, on_its_twin
 from sherd.puzzle.growing.answer import JOINED
 from sherd.shapes import Fragment, creature, cut_by_ball, landmarks, whole
 from sherd.shapes.fragment import cut_by_level
 from sherd.spectral.geodesics import Geodesics
+from sherd.surface.transformed import mirrored_mesh
 
 
 @cache
@@ -105,7 +106,7 @@ def test_what_cannot_be_matched_has_no_twin(monkeypatch) -> None:
 
 def test_a_mirror_image_is_turned_outward() -> None:
     full = creature(5000)
-    normals = mirror_image(full).vertex_normals
+    normals = mirrored_mesh(full).vertex_normals
     assert np.allclose(normals * [-1, 1, 1], full.vertex_normals)
 
 

@@ -12,7 +12,7 @@ from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.surface.described import NO_CUT, DescribedSurface, Known
 from sherd.surface.working import WorkingSurface
 
-__all__ = ["FLIP", "enlarged", "mirrored", "sampled_within", "thinned"]
+__all__ = ["enlarged", "mirrored", "mirrored_mesh", "sampled_within", "thinned"]
 
 FLIP = np.array([-1.0, 1.0, 1.0])
 
@@ -80,11 +80,12 @@ def sampled_within(surface: DescribedSurface, mask: Bools) -> DescribedSurface:
 def _reflected(working: WorkingSurface) -> WorkingSurface:
     own = working.own_vertices  # the corners of every face are listed the other way round
     return WorkingSurface(
-        placed=_reflected_mesh(working.placed),
-        mesh=_reflected_mesh(working.mesh),
+        placed=mirrored_mesh(working.placed),
+        mesh=mirrored_mesh(working.mesh),
         own_vertices=None if own is None else SurfacePoints(own.faces, own.barycentric[:, ::-1]),
     )
 
 
-def _reflected_mesh(mesh: TriangleMesh) -> TriangleMesh:
+def mirrored_mesh(mesh: TriangleMesh) -> TriangleMesh:
+    """The mirror image of a mesh, whose faces look outward if its own do."""
     return TriangleMesh(mesh.vertices * FLIP, mesh.faces[:, ::-1], name=mesh.name)

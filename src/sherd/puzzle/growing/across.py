@@ -30,7 +30,7 @@ from sherd.place import labeled_again, laid_part, placed_part
 from sherd.puzzle.growing.answer import Meeting
 from sherd.puzzle.growing.asking import LIKELY
 from sherd.puzzle.growing.join_chance import ends_with_one, lies_within
-from sherd.puzzle.growing.meeting import NOTHING_KNOWN
+from sherd.puzzle.growing.meeting import NOTHING_KNOWN, free_vertices
 from sherd.puzzle.growing.skin_chance import least_alike
 from sherd.puzzle.growing.sliding import alike_in_reliefs, slid
 from sherd.results.match_options import MatchOptions
@@ -42,10 +42,10 @@ from sherd.spectral.sampling import farthest_point_sample_euclidean
 from sherd.surface.described import DescribedSurface
 from sherd.surface.prepared import described_part
 from sherd.surface.template import Template
-from sherd.surface.transformed import FLIP
+from sherd.surface.transformed import mirrored_mesh
 from sherd.threads import one_blas_thread
 
-__all__ = ["MOST_ACROSS", "laid_across", "mirror_image", "on_its_twin", "twin_features"]
+__all__ = ["MOST_ACROSS", "laid_across", "on_its_twin", "twin_features"]
 
 # Of one, the logit of the chance that the match of the mirror image has, and how much more alike
 # reliefs are there than they must be. A logistic regression, weights kept small, over 59 pieces
@@ -71,7 +71,7 @@ NEAR = 2.0
 
 
 @dataclass(frozen=True, eq=False)
-class Told:
+class _Told:
     """Where the vertices of a mesh lie on another one.
 
     Attributes
@@ -104,7 +104,7 @@ def laid_across(first: TriangleMesh, second: TriangleMesh, seed: int) -> Meeting
     image = on_its_twin(first, second, seed)
     if image is None:
         return None
-    chance = _twin_chance(image, _met(first, mirror_image(second), _all_told(image), seed))
+    chance = _twin_chance(image, _met(first, mirrored_mesh(second), _all_told(image), seed))
     if chance < LIKELY:
         return None
     symmetry, told = _other_side(first, image, seed)
@@ -127,7 +127,7 @@ def on_its_twin(first: TriangleMesh, second: TriangleMesh, seed: int) -> MatchRe
     that no body is left that could have two sides.
     """
     try:
-        found = _matched(first, mirror_image(second), seed)
+        found = _matched(first, mirrored_mesh(second), seed)
     except InfeasibleError:  # only what is larger than its whole, or a dot on it
         return None
     as_it_is = found.twin_score
@@ -155,16 +155,11 @@ def _twin_chance(image: MatchResult, lying: Meeting) -> float:
     return float(1.0 / (1.0 + np.exp(-features @ np.array(TWIN_COEFFICIENTS))))
 
 
-def mirror_image(mesh: TriangleMesh) -> TriangleMesh:
-    """With its faces looking outward."""
-    return TriangleMesh(mesh.vertices * FLIP, mesh.faces[:, ::-1], name=mesh.name)
+def _all_told(found: MatchResult) -> _Told:
+    return _Told(found.positions, np.ones(found.part.vertex_count, dtype=bool))
 
 
-def _all_told(found: MatchResult) -> Told:
-    return Told(found.positions, np.ones(found.part.vertex_count, dtype=bool))
-
-
-def _other_side(first: TriangleMesh, image: MatchResult, seed: int) -> tuple[float, Told]:
+def _other_side(first: TriangleMesh, image: MatchResult, seed: int) -> tuple[float, _Told]:
     """Where what lies on the twin lies on the other side; and how surely there is one.
 
     The body without the twin is matched with its own mirror image. A stump has been seen to lie on
@@ -173,7 +168,7 @@ def _other_side(first: TriangleMesh, image: MatchResult, seed: int) -> tuple[flo
     """
     twin = image.best.mask
     used, faces = renumbered(first.faces[~twin[first.faces].all(axis=1)])
-    rest = mirror_image(TriangleMesh(first.vertices[used], faces, name=first.name))
+    rest = mirrored_mesh(TriangleMesh(first.vertices[used], faces, name=first.name))
     placed = placed_part(
         _template(first), scan_intake(rest), MatchOptions(seed=seed), _quiet(), twin=False
     )
@@ -182,10 +177,7 @@ def _other_side(first: TriangleMesh, image: MatchResult, seed: int) -> tuple[flo
     stump = _across_by_distances(first, used, symmetry, image)
     if not stump.any():
         return float(symmetry.chance or 0.0), told
-    template = placed.template
-    free = ~stump[
-        closest_points(template.placed, template.mesh.vertices).nearest_vertices(template.placed)
-    ]
+    free = free_vertices(placed.template, first, stump)
     again = match_result(laid_part(labeled_again(placed, free, _quiet()), _quiet()), _quiet())
     told_again = _carried(first, used, again, image)
     if told_again.known.mean() > told.known.mean():
@@ -193,14 +185,14 @@ def _other_side(first: TriangleMesh, image: MatchResult, seed: int) -> tuple[flo
     return float(symmetry.chance or 0.0), told
 
 
-def _carried(first: TriangleMesh, used: Ints, symmetry: MatchResult, image: MatchResult) -> Told:
+def _carried(first: TriangleMesh, used: Ints, symmetry: MatchResult, image: MatchResult) -> _Told:
     """Places across from those on the twin, by the body's mirror image that lies there."""
     body = symmetry.part
     chart = TriangleMesh(symmetry.positions, body.faces)
     met = closest_points(chart, image.positions)
     off = np.linalg.norm(met.positions(chart) - image.positions, axis=1)
     known = (off < NEAR * first.mean_edge_length) & ~on_border(chart, met)
-    return Told(met.interpolate(chart, first.vertices[used]), known)
+    return _Told(met.interpolate(chart, first.vertices[used]), known)
 
 
 def _across_by_distances(
@@ -241,10 +233,9 @@ def _finite(distances: Floats) -> Floats:
     return np.where(np.isfinite(distances), distances, reached)
 
 
-def _met(first: TriangleMesh, second: TriangleMesh, told: Told, seed: int) -> Meeting:
+def _met(first: TriangleMesh, second: TriangleMesh, told: _Told, seed: int) -> Meeting:
     """Both laid on each other where that is told; the chance is not known yet."""
-    unit = max(first.length, second.length)
-    surfaces = (_described(first, unit), described_part(second, unit))
+    surfaces = (_described(first), described_part(second, first.length))
     for surface in surfaces:
         prepare_both_ways(surface)
     there, back = questions_of(surfaces, NOTHING_KNOWN, unknown=False)
@@ -281,5 +272,5 @@ def _template(mesh: TriangleMesh) -> Template:
 
 
 @lru_cache(maxsize=1)
-def _described(mesh: TriangleMesh, unit: float) -> DescribedSurface:
-    return described_part(mesh, unit)
+def _described(mesh: TriangleMesh) -> DescribedSurface:
+    return described_part(mesh, mesh.length)

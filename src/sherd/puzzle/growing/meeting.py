@@ -54,7 +54,7 @@ from sherd.surface.prepared import described_part
 from sherd.surface.transformed import mirrored, sampled_within
 from sherd.threads import cached_property, one_blas_thread, side_by_side
 
-__all__ = ["NOTHING_KNOWN", "Describe", "meeting"]
+__all__ = ["NOTHING_KNOWN", "Describe", "free_vertices", "meeting"]
 
 Describe = Callable[[TriangleMesh, float], DescribedSurface]
 NOTHING_KNOWN = np.empty((0, 2), dtype=np.int64)
@@ -96,7 +96,7 @@ def meeting(
     for surface in surfaces:
         prepare_both_ways(surface)
     described = surfaces
-    free = None if taken is None else _free(surfaces[0], first, taken)
+    free = None if taken is None else free_vertices(surfaces[0], first, taken)
     if free is not None and free[surfaces[0].sparse.vertices].any():
         known = known[free[surfaces[0].working.working_vertices(known[:, 0])]]
         surfaces = (sampled_within(surfaces[0], free), surfaces[1])
@@ -221,7 +221,7 @@ def _judged(met: Meeting, said: SlidChance) -> Meeting:
     return replace(met, chance=said.chance, twin=twin, by_skin=said.by_skin, fitting=said.fitting)
 
 
-def _free(surface: DescribedSurface, mesh: TriangleMesh, taken: Bools) -> Bools:
+def free_vertices(surface: DescribedSurface, mesh: TriangleMesh, taken: Bools) -> Bools:
     """Vertices (m,) of the working mesh that do not lie where a surface's own are taken."""
     at = closest_points(surface.placed, surface.mesh.vertices)
     free: Bools = ~taken[at.nearest_vertices(mesh)]
