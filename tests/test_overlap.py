@@ -6,12 +6,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import trimesh
 
 import sherd
 from sherd.benchmark.datasets.cut_pairs import points_on_other_part
 from sherd.benchmark.datasets.pairs import Pair
 from sherd.benchmark.metrics import region_overlap
 from sherd.errors import InfeasibleError, OptionError
+from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.results.overlap_result import Overlap
 from sherd.results.status import Status
 from sherd.shapes.creature import creature, landmarks
@@ -115,6 +117,19 @@ def test_nothing_shared_is_an_answer(fragments) -> None:
     assert answer.status is not Status.GOOD
     assert len(answer.second_to_first.points) == 1600
     assert answer.first_to_second.confidence.max() <= 1
+
+
+def test_what_stands_apart_is_not_shared_and_all_else_is() -> None:
+    full, ball = creature(5000), trimesh.creation.icosphere(3, 0.15)
+    scene = TriangleMesh(
+        np.concatenate([full.vertices, ball.vertices + 5.0]),
+        np.concatenate([full.faces, ball.faces + full.vertex_count]),
+    )
+    answer = sherd.overlap(scene, creature(5000, pose="walk"))
+    assert answer.status is Status.GOOD
+    shared = answer.first_to_second.matched
+    assert shared[: full.vertex_count].mean() > 0.95
+    assert not shared[full.vertex_count :].any()
 
 
 def test_what_is_ignored_is_not_shared_and_what_does_not_exist_is_refused(fragments) -> None:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, partial
 from itertools import combinations, product
 from types import MappingProxyType
 from typing import Unpack
@@ -14,10 +14,12 @@ import numpy as np
 from sherd.arrays import Bools, Ints
 from sherd.correspondence.shared.hints import kept_shape
 from sherd.errors import InputError
+from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.output import Stages
 from sherd.overlap import check_overlap_sizes
 from sherd.puzzle.growing.across import laid_across
 from sherd.puzzle.growing.answer import Meeting
+from sherd.puzzle.growing.body import Body
 from sherd.puzzle.growing.growth import grown
 from sherd.puzzle.growing.joined_maps import direct_maps
 from sherd.puzzle.growing.meeting import Describe, meeting
@@ -111,7 +113,9 @@ def join(
         evidence = pair_evidence([describe(shape.mesh, unit) for shape in shapes], options.seed)
     with stages("growth"):
         alone = [Union.of_piece(shape.mesh, number) for number, shape in enumerate(shapes)]
-        asking = _Asking(options.seed, describe, stages)
+        # one body asks all that are left at last
+        body = lru_cache(maxsize=1)(partial(Body, seed=options.seed))
+        asking = _Asking(options.seed, describe, body, stages)
         growth = grown(alone, evidence, asking, asking.across)
     originals = [intake.original for intake in intakes]
     with stages("synchronization"):
@@ -160,6 +164,7 @@ class _Asking:
 
     seed: int
     describe: Describe
+    body: Callable[[TriangleMesh], Body]
     stages: Stages
 
     def __call__(self, first: Union, second: Union, known: Ints, taken: Bools | None) -> Meeting:
@@ -169,7 +174,7 @@ class _Asking:
     def across(self, first: Union, second: Union) -> Meeting | None:
         """Where the second lies across from its twin; see :func:`laid_across`."""
         self.stages.show(f"growth: {_named(first)} and the mirror image of {_named(second)}")
-        return laid_across(first.mesh, second.mesh, self.seed)
+        return laid_across(self.body(first.mesh), second.mesh)
 
 
 def _named(union: Union) -> str:

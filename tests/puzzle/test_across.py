@@ -15,6 +15,7 @@ from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.puzzle.growing import across as module
 from sherd.puzzle.growing.across import MOST_ACROSS, laid_across, on_its_twin
 from sherd.puzzle.growing.answer import JOINED
+from sherd.puzzle.growing.body import Body
 from sherd.shapes import Fragment, creature, cut_by_ball, landmarks, whole
 from sherd.shapes.fragment import cut_by_level
 from sherd.spectral.geodesics import Geodesics
@@ -36,7 +37,7 @@ def walking(name: str, radius: float = 0.55) -> Fragment:
 
 def test_a_leg_whose_mirror_image_lies_on_its_twin_is_laid_across_from_that() -> None:
     body, leg = body_without_a_leg(), walking("left_front_hoof")
-    met = laid_across(body.mesh, leg.mesh, 0)
+    met = laid_across(Body(body.mesh, 0), leg.mesh)
     assert met is not None
     # likely, but another animal's leg would lie there as well
     assert met.chance == pytest.approx(MOST_ACROSS)
@@ -54,9 +55,9 @@ def test_a_leg_whose_mirror_image_lies_on_its_twin_is_laid_across_from_that() ->
 
 
 def test_what_the_body_has_lies_within_it_and_not_across() -> None:
-    body = body_without_a_leg()
-    assert laid_across(body.mesh, walking("right_front_hoof").mesh, 0) is None
-    assert laid_across(body.mesh, walking("tail_tip", 0.4).mesh, 0) is None
+    body = Body(body_without_a_leg().mesh, 0)
+    assert laid_across(body, walking("right_front_hoof").mesh) is None
+    assert laid_across(body, walking("tail_tip", 0.4).mesh) is None
 
 
 def bottle() -> TriangleMesh:
@@ -73,7 +74,7 @@ def bottle() -> TriangleMesh:
 
 
 def test_what_is_no_limb_lies_nowhere() -> None:
-    assert laid_across(body_without_a_leg().mesh, bottle(), 0) is None
+    assert laid_across(Body(body_without_a_leg().mesh, 0), bottle()) is None
 
 
 @pytest.mark.parametrize(
@@ -87,12 +88,12 @@ def test_what_lies_there_as_it_is_or_covers_the_body_is_no_mirror_image_of_a_lim
     mask = np.arange(body.vertex_count) < covered * body.vertex_count
     image: Any = SimpleNamespace(best=SimpleNamespace(score=0.8, mask=mask), twin_score=as_it_is)
 
-    def matched(first: TriangleMesh, second: TriangleMesh, seed: int) -> Any:
+    def matched(first: Body, second: TriangleMesh) -> Any:
         assert np.allclose(second.vertices[:, 0], -body.vertices[:, 0])
         return image
 
     monkeypatch.setattr(module, "_matched", matched)
-    assert (on_its_twin(body, body, 0) is image) == stands
+    assert (on_its_twin(Body(body, 0), body) is image) == stands
 
 
 def test_what_cannot_be_matched_has_no_twin(monkeypatch) -> None:
@@ -101,7 +102,7 @@ def test_what_cannot_be_matched_has_no_twin(monkeypatch) -> None:
 
     monkeypatch.setattr(module, "_matched", matched)
     body = body_without_a_leg().mesh
-    assert on_its_twin(body, body, 0) is None
+    assert on_its_twin(Body(body, 0), body) is None
 
 
 def test_a_mirror_image_is_turned_outward() -> None:

@@ -9,8 +9,7 @@ the limb, so what lies on the twin lies on the other side as well.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from functools import lru_cache
+from dataclasses import replace
 
 import numpy as np
 
@@ -18,30 +17,25 @@ from sherd.arrays import Bools, Floats, Ints
 from sherd.correspondence.confidence import LEAST, MOST
 from sherd.correspondence.shared.judgment import shared_area
 from sherd.correspondence.shared.round_trip import on_border
-from sherd.correspondence.shared.told_placement import placed_where_told
 from sherd.errors import InfeasibleError
 from sherd.match import match_one_side, match_result
 from sherd.mesh.surface_points import closest_points
 from sherd.mesh.topology import renumbered
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.output import Stages
-from sherd.overlap import STRETCH, prepare_both_ways, queries_both_ways, questions_of
 from sherd.place import labeled_again, laid_part, placed_part
 from sherd.puzzle.growing.answer import Meeting
 from sherd.puzzle.growing.asking import LIKELY
+from sherd.puzzle.growing.body import Body, Told, where_reliefs_agree
 from sherd.puzzle.growing.join_chance import ends_with_one, lies_within
-from sherd.puzzle.growing.meeting import NOTHING_KNOWN, free_vertices
+from sherd.puzzle.growing.meeting import free_vertices
 from sherd.puzzle.growing.skin_chance import least_alike
-from sherd.puzzle.growing.sliding import alike_in_reliefs, slid
+from sherd.puzzle.growing.sliding import alike_in_reliefs
 from sherd.results.match_options import MatchOptions
 from sherd.results.match_result import MatchResult
-from sherd.results.overlap_options import OverlapOptions
 from sherd.scan.intake import scan_intake
 from sherd.spectral.geodesics import Geodesics
 from sherd.spectral.sampling import farthest_point_sample_euclidean
-from sherd.surface.described import DescribedSurface
-from sherd.surface.prepared import described_part
-from sherd.surface.template import Template
 from sherd.surface.transformed import mirrored_mesh
 from sherd.threads import one_blas_thread
 
@@ -70,69 +64,53 @@ AS_FAR = 0.03
 NEAR = 2.0
 
 
-@dataclass(frozen=True, eq=False)
-class _Told:
-    """Where the vertices of a mesh lie on another one.
-
-    Attributes
-    ----------
-    positions
-        (n, 3) places, in the other mesh's own coordinates.
-    known
-        (n,) bool, of which of them this is known.
-    """
-
-    positions: Floats
-    known: Bools
-
-
 @one_blas_thread()
-def laid_across(first: TriangleMesh, second: TriangleMesh, seed: int) -> Meeting | None:
-    """Where the second surface lies on the first, if its mirror image lies on its twin there.
+def laid_across(body: Body, second: TriangleMesh) -> Meeting | None:
+    """Where a surface lies on a body, if its mirror image lies on its twin there.
 
-    As likely as that the mirror image lies on the twin, that the first surface is its own mirror
-    image, and that what both share ends where one of them does; never sure. None where the mirror
-    image lies nowhere, or the second lies within the first.
+    As likely as that the mirror image lies on the twin, that the body is its own mirror image, and
+    that what both share ends where one of them does; never sure. None where the mirror image lies
+    nowhere, or the surface lies within the body.
 
     Parameters
     ----------
-    first, second
-        Without what needs repair, in one unit of length, the larger one first.
-    seed
-        Of all random choices.
+    body
+        Asks all that are left.
+    second
+        Without what needs repair, in the same unit of length, and smaller.
     """
-    image = on_its_twin(first, second, seed)
+    image = on_its_twin(body, second)
     if image is None:
         return None
-    chance = _twin_chance(image, _met(first, mirrored_mesh(second), _all_told(image), seed))
+    chance = _twin_chance(image, body.met(mirrored_mesh(second), _all_told(image)))
     if chance < LIKELY:
         return None
-    symmetry, told = _other_side(first, image, seed)
+    symmetry, told = _other_side(body, image)
     if not told.known.any():
         return None
-    met = _met(first, second, told, seed)
+    met = body.met(second, told)
     if not all(place.shared.any() for place in met.placements):
         return None
     if lies_within(met.questions, met.placements):
         return None
-    met = _where_reliefs_agree(met)
+    met = where_reliefs_agree(met)
     chance *= symmetry * ends_with_one(met.questions, met.placements)
     return replace(met, chance=float(np.clip(chance, LEAST, MOST_ACROSS)))
 
 
-def on_its_twin(first: TriangleMesh, second: TriangleMesh, seed: int) -> MatchResult | None:
-    """The mirror image of the second surface matched on the first.
+def on_its_twin(body: Body, second: TriangleMesh) -> MatchResult | None:
+    """The mirror image of a surface matched on a body.
 
     None where it cannot be, where it would rather lie there as it is, and where it covers so much
     that no body is left that could have two sides.
     """
     try:
-        found = _matched(first, mirrored_mesh(second), seed)
+        found = _matched(body, mirrored_mesh(second))
     except InfeasibleError:  # only what is larger than its whole, or a dot on it
         return None
     as_it_is = found.twin_score
     mirrored = as_it_is is None or found.best.score > as_it_is
-    covered = float(first.vertex_areas @ found.best.mask) / first.area
+    covered = float(body.mesh.vertex_areas @ found.best.mask) / body.mesh.area
     return found if mirrored and covered < LIMB else None
 
 
@@ -155,22 +133,22 @@ def _twin_chance(image: MatchResult, lying: Meeting) -> float:
     return float(1.0 / (1.0 + np.exp(-features @ np.array(TWIN_COEFFICIENTS))))
 
 
-def _all_told(found: MatchResult) -> _Told:
-    return _Told(found.positions, np.ones(found.part.vertex_count, dtype=bool))
+def _all_told(found: MatchResult) -> Told:
+    return Told(found.positions, np.ones(found.part.vertex_count, dtype=bool))
 
 
-def _other_side(first: TriangleMesh, image: MatchResult, seed: int) -> tuple[float, _Told]:
+def _other_side(body: Body, image: MatchResult) -> tuple[float, Told]:
     """Where what lies on the twin lies on the other side; and how surely there is one.
 
     The body without the twin is matched with its own mirror image. A stump has been seen to lie on
     itself then, with its back on its front, so that is forbidden once the distances from all the
     rest say where the stump is.
     """
-    twin = image.best.mask
+    first, twin = body.mesh, image.best.mask
     used, faces = renumbered(first.faces[~twin[first.faces].all(axis=1)])
     rest = mirrored_mesh(TriangleMesh(first.vertices[used], faces, name=first.name))
     placed = placed_part(
-        _template(first), scan_intake(rest), MatchOptions(seed=seed), _quiet(), twin=False
+        body.template, scan_intake(rest), MatchOptions(seed=body.seed), _quiet(), twin=False
     )
     symmetry = match_result(placed, _quiet())
     told = _carried(first, used, symmetry, image)
@@ -185,14 +163,14 @@ def _other_side(first: TriangleMesh, image: MatchResult, seed: int) -> tuple[flo
     return float(symmetry.chance or 0.0), told
 
 
-def _carried(first: TriangleMesh, used: Ints, symmetry: MatchResult, image: MatchResult) -> _Told:
+def _carried(first: TriangleMesh, used: Ints, symmetry: MatchResult, image: MatchResult) -> Told:
     """Places across from those on the twin, by the body's mirror image that lies there."""
     body = symmetry.part
     chart = TriangleMesh(symmetry.positions, body.faces)
     met = closest_points(chart, image.positions)
     off = np.linalg.norm(met.positions(chart) - image.positions, axis=1)
     known = (off < NEAR * first.mean_edge_length) & ~on_border(chart, met)
-    return _Told(met.interpolate(chart, first.vertices[used]), known)
+    return Told(met.interpolate(chart, first.vertices[used]), known)
 
 
 def _across_by_distances(
@@ -233,44 +211,10 @@ def _finite(distances: Floats) -> Floats:
     return np.where(np.isfinite(distances), distances, reached)
 
 
-def _met(first: TriangleMesh, second: TriangleMesh, told: _Told, seed: int) -> Meeting:
-    """Both laid on each other where that is told; the chance is not known yet."""
-    surfaces = (_described(first), described_part(second, first.length))
-    for surface in surfaces:
-        prepare_both_ways(surface)
-    there, back = questions_of(surfaces, NOTHING_KNOWN, unknown=False)
-    questions = (there.with_stretch(STRETCH), back.with_stretch(STRETCH))
-    queries = queries_both_ways(questions, seed)
-    own = closest_points(there.part.placed, there.part.mesh.vertices)
-    feet = closest_points(first, told.positions).positions(there.full.placed)
-    targets = own.interpolate(there.part.placed, feet)
-    known = told.known[own.nearest_vertices(there.part.placed)]
-    strain = OverlapOptions().strain
-    placements = placed_where_told(questions, queries, targets, known, strain=strain)
-    return Meeting(questions, queries, placements, LEAST, twin=False)
-
-
-def _where_reliefs_agree(met: Meeting) -> Meeting:
-    """Slid along the skin, which is stretched at a joint, if reliefs are more alike there."""
-    found = slid(met.questions, met.placements, strain=OverlapOptions().strain)
-    before, after = (alike_in_reliefs(met.questions, each) for each in (met.placements, found))
-    return replace(met, placements=found) if after > before else met
-
-
 def _quiet() -> Stages:
     return Stages(visible=False)
 
 
-def _matched(first: TriangleMesh, second: TriangleMesh, seed: int) -> MatchResult:
-    return match_one_side(_template(first), scan_intake(second), MatchOptions(seed=seed), _quiet())
-
-
-# one body asks all that are left, and about its own mirror image
-@lru_cache(maxsize=1)
-def _template(mesh: TriangleMesh) -> Template:
-    return Template(mesh)
-
-
-@lru_cache(maxsize=1)
-def _described(mesh: TriangleMesh) -> DescribedSurface:
-    return described_part(mesh, mesh.length)
+def _matched(body: Body, second: TriangleMesh) -> MatchResult:
+    options = MatchOptions(seed=body.seed)
+    return match_one_side(body.template, scan_intake(second), options, _quiet())

@@ -1,0 +1,88 @@
+"""A union that is nearly a whole: what is asked of it once, whichever limb is missing."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from sherd.arrays import Bools, Floats
+from sherd.correspondence.confidence import LEAST
+from sherd.correspondence.shared.told_placement import placed_where_told
+from sherd.mesh.surface_points import closest_points
+from sherd.mesh.triangle_mesh import TriangleMesh
+from sherd.overlap import STRETCH, prepare_both_ways, queries_both_ways, questions_of
+from sherd.puzzle.growing.answer import Meeting
+from sherd.puzzle.growing.meeting import NOTHING_KNOWN
+from sherd.puzzle.growing.sliding import alike_in_reliefs, slid
+from sherd.results.overlap_options import OverlapOptions
+from sherd.surface.described import DescribedSurface
+from sherd.surface.prepared import described_part
+from sherd.surface.template import Template
+from sherd.threads import cached_property
+
+__all__ = ["Body", "Told", "where_reliefs_agree"]
+
+
+@dataclass(frozen=True, eq=False)
+class Told:
+    """Where the vertices of a mesh lie on another one.
+
+    Attributes
+    ----------
+    positions
+        (n, 3) places, in the other mesh's own coordinates.
+    known
+        (n,) bool, of which of them this is known.
+    """
+
+    positions: Floats
+    known: Bools
+
+
+@dataclass(frozen=True, eq=False)
+class Body:
+    """A surface that asks all that are left, described once.
+
+    Attributes
+    ----------
+    mesh
+        Without what needs repair.
+    seed
+        Of all random choices.
+    """
+
+    mesh: TriangleMesh
+    seed: int
+
+    @cached_property
+    def template(self) -> Template:
+        """As a whole on which pieces are matched."""
+        return Template(self.mesh)
+
+    @cached_property
+    def described(self) -> DescribedSurface:
+        """As one of two that share something, in its own unit."""
+        surface = described_part(self.mesh, self.mesh.length)
+        prepare_both_ways(surface)
+        return surface
+
+    def met(self, second: TriangleMesh, told: Told) -> Meeting:
+        """Both laid on each other where that is told; the chance is not known yet."""
+        surfaces = (self.described, described_part(second, self.mesh.length))
+        prepare_both_ways(surfaces[1])
+        there, back = questions_of(surfaces, NOTHING_KNOWN, unknown=False)
+        questions = (there.with_stretch(STRETCH), back.with_stretch(STRETCH))
+        queries = queries_both_ways(questions, self.seed)
+        own = closest_points(there.part.placed, there.part.mesh.vertices)
+        feet = closest_points(self.mesh, told.positions).positions(there.full.placed)
+        targets = own.interpolate(there.part.placed, feet)
+        known = told.known[own.nearest_vertices(there.part.placed)]
+        strain = OverlapOptions().strain
+        placements = placed_where_told(questions, queries, targets, known, strain=strain)
+        return Meeting(questions, queries, placements, LEAST, twin=False)
+
+
+def where_reliefs_agree(met: Meeting) -> Meeting:
+    """Slid along the skin, which is stretched at a joint, if reliefs are more alike there."""
+    found = slid(met.questions, met.placements, strain=OverlapOptions().strain)
+    before, after = (alike_in_reliefs(met.questions, each) for each in (met.placements, found))
+    return replace(met, placements=found) if after > before else met
