@@ -38,7 +38,8 @@ class PrincipalAxes:
         """
         frequencies, rows, columns = spectra.shape
         halves = spectra.reshape(frequencies, rows * 2, columns // 2)
-        return (halves @ self.axes).reshape(frequencies, rows, -1)
+        # not -1, as no rows leave that undetermined: nothing is seen again if what is hidden is far
+        return (halves @ self.axes).reshape(frequencies, rows, 2 * self.axes.shape[2])
 
 
 def principal_axes(spectra: Singles) -> PrincipalAxes:

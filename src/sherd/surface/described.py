@@ -317,7 +317,6 @@ class DescribedSurface:
         if len(hidden) and len(inside):
             gap = cKDTree(hidden).query(self.mesh.vertices[inside])[0]
             inside = inside[gap < max(RADII)]
-        if len(hidden) and len(inside):  # none of it is near what is hidden: as another component
             spectra[:, inside] = self._projected(inside, self.mesh.vertex_areas * mask)
         return spectra
 

@@ -26,13 +26,14 @@ from sherd.output import Stages
 from sherd.place import labeled_again, laid_part, placed_part
 from sherd.puzzle.growing.answer import Meeting
 from sherd.puzzle.growing.asking import LIKELY
-from sherd.puzzle.growing.body import Body, Told, where_reliefs_agree
+from sherd.puzzle.growing.body import Body, Told
 from sherd.puzzle.growing.join_chance import ends_with_one, lies_within
 from sherd.puzzle.growing.meeting import free_vertices
 from sherd.puzzle.growing.skin_chance import least_alike
-from sherd.puzzle.growing.sliding import alike_in_reliefs
+from sherd.puzzle.growing.sliding import alike_in_reliefs, slid
 from sherd.results.match_options import MatchOptions
 from sherd.results.match_result import MatchResult
+from sherd.results.overlap_options import OverlapOptions
 from sherd.scan.intake import scan_intake
 from sherd.spectral.geodesics import Geodesics
 from sherd.spectral.sampling import farthest_point_sample_euclidean
@@ -93,7 +94,7 @@ def laid_across(body: Body, second: TriangleMesh) -> Meeting | None:
         return None
     if lies_within(met.questions, met.placements):
         return None
-    met = where_reliefs_agree(met)
+    met = _where_reliefs_agree(met)
     chance *= symmetry * ends_with_one(met.questions, met.placements)
     return replace(met, chance=float(np.clip(chance, LEAST, MOST_ACROSS)))
 
@@ -209,6 +210,13 @@ def _finite(distances: Floats) -> Floats:
     """What is not connected is as far as anything is."""
     reached = distances[np.isfinite(distances)].max(initial=0.0)
     return np.where(np.isfinite(distances), distances, reached)
+
+
+def _where_reliefs_agree(met: Meeting) -> Meeting:
+    """Slid along the skin, which is stretched at a joint, if reliefs are more alike there."""
+    found = slid(met.questions, met.placements, strain=OverlapOptions().strain)
+    before, after = (alike_in_reliefs(met.questions, each) for each in (met.placements, found))
+    return replace(met, placements=found) if after > before else met
 
 
 def _quiet() -> Stages:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from sherd.arrays import Bools, Floats
 from sherd.correspondence.confidence import LEAST
@@ -12,14 +12,13 @@ from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.overlap import STRETCH, prepare_both_ways, queries_both_ways, questions_of
 from sherd.puzzle.growing.answer import Meeting
 from sherd.puzzle.growing.meeting import NOTHING_KNOWN
-from sherd.puzzle.growing.sliding import alike_in_reliefs, slid
 from sherd.results.overlap_options import OverlapOptions
 from sherd.surface.described import DescribedSurface
 from sherd.surface.prepared import described_part
 from sherd.surface.template import Template
 from sherd.threads import cached_property
 
-__all__ = ["Body", "Told", "where_reliefs_agree"]
+__all__ = ["Body", "Told"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,10 +78,3 @@ class Body:
         strain = OverlapOptions().strain
         placements = placed_where_told(questions, queries, targets, known, strain=strain)
         return Meeting(questions, queries, placements, LEAST, twin=False)
-
-
-def where_reliefs_agree(met: Meeting) -> Meeting:
-    """Slid along the skin, which is stretched at a joint, if reliefs are more alike there."""
-    found = slid(met.questions, met.placements, strain=OverlapOptions().strain)
-    before, after = (alike_in_reliefs(met.questions, each) for each in (met.placements, found))
-    return replace(met, placements=found) if after > before else met
