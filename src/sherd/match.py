@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from types import MappingProxyType
-from typing import Unpack
+from typing import TypeVar, Unpack
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from sherd.correspondence.confidence import (
     confidence_features,
     confidences,
     foreign_vertices,
+    lies_elsewhere,
     matched_vertices,
     share_laid_double,
 )
@@ -49,9 +50,11 @@ from sherd.threads import begun, one_blas_thread
 
 __all__ = ["STAGES", "PlacedPart", "match", "match_one_side", "match_result", "placed_part"]
 
+Number = TypeVar("Number", float, Floats)
+
 STAGES = (
     "full shape", "part", "scale", "anchors", "first placement", "second placement",
-    "mirrored twin", "confidence", "region",
+    "elsewhere", "mirrored twin", "confidence", "region",
 )  # fmt: skip
 
 # A twin whose score is this close to the best could be the right one without its handedness.
@@ -59,6 +62,9 @@ PLAUSIBLE = 0.1
 # Repeated runs on remeshed copies of one pair differ by about as much: a twin that is better by
 # more explains the part better than the answer does.
 TWIN_MARGIN = 0.02
+# Arms of stars that are all alike, meshed anew and bent, differ by this much but for one in 24
+# (0.04).
+RIVAL_MARGIN = 0.02
 # When answers are promised to be near for fewer than half of the vertices, another shape would do.
 POOR = 0.5
 # No place can be used twice; up to this share of the part it may be noise.
@@ -138,12 +144,13 @@ def match_result(placed: PlacedPart, stages: Stages) -> MatchResult:
     """The answer for a placed part: confidence, region and what to think of it."""
     template, part, options = placed.template, placed.part, placed.options
     question, best, twin = placed.question, placed.best, placed.twin
-    surface, chance = question.part, placed.chance
+    surface, rival = question.part, _equal_rival(placed)
+    chance = placed.chance if rival is None else _chance_of_either(placed.chance)
     way_back = WayBack(template.intake, part, placed.kept)
-    alternatives = begun(lambda: () if twin is None else _alternatives(way_back, best, twin))
+    alternatives = begun(lambda: _alternatives(way_back, best, placed.rival, twin))
     points = begun(lambda: best.points)
     with stages("confidence"):
-        trust = _trust(question, placed.queries, best, placed.other)
+        trust = _trust(question, placed.queries, best, placed.other, rival)
     with stages("region"):
         membership, mask = _region(question, best, trust.matched)
     result = MatchResult(
@@ -173,8 +180,9 @@ def match_result(placed: PlacedPart, stages: Stages) -> MatchResult:
     original_normals(template.intake)  # known now, the check need not repair the full shape again
     unknown = options.scale == "unknown"
     doubts = Doubts(
-        chance=chance,
+        chance=placed.chance,
         featureless=self_likeness(surface) > FEATURELESS,
+        elsewhere=rival is not None,
         twin=twin is not None and twin.score > best.score + _twin_margin(surface),
         unchecked=result.check().failures,
         unlike=_fits_poorly(trust, share_laid_double(surface, best.deformation)),
@@ -190,6 +198,21 @@ def match_result(placed: PlacedPart, stages: Stages) -> MatchResult:
         advice=doubts.advice,
         unfollowed_landmarks=doubts.unfollowed,
     )
+
+
+def _equal_rival(placed: PlacedPart) -> WorkingPlacement | None:
+    """The placement in another place, if the part fits there about as well."""
+    rival = placed.rival
+    near = rival is not None and rival.score > placed.best.score - RIVAL_MARGIN
+    return rival if near else None
+
+
+def _chance_of_either(chance: Number) -> Number:
+    """The chance of one of two places that fit as well, as one at most is right: o / (1 + 2 o).
+
+    With odds o = p / (1 - p) of each against lying nowhere.
+    """
+    return chance / (1.0 + chance)
 
 
 def _twin_margin(part: DescribedSurface) -> float:
@@ -215,11 +238,19 @@ class _Trust:
 
 
 def _trust(
-    question: Question, queries: Queries, best: WorkingPlacement, other: WorkingPlacement
+    question: Question,
+    queries: Queries,
+    best: WorkingPlacement,
+    other: WorkingPlacement,
+    rival: WorkingPlacement | None,
 ) -> _Trust:
     features = confidence_features(question.part, queries, best, other)
     foreign = foreign_vertices(question.part, queries, best)
-    confidence = np.where(foreign, LEAST, confidences(features))
+    confidence = confidences(features)
+    if rival is not None:
+        far = lies_elsewhere(question.part, best, rival)
+        confidence = np.where(far, _chance_of_either(confidence), confidence)
+    confidence = np.where(foreign, LEAST, confidence)
     return _Trust(matched_vertices(features) & ~foreign, confidence)
 
 
@@ -244,14 +275,27 @@ def _unit_proposal(template: Template, part: Intake, options: MatchOptions) -> s
 
 
 def _alternatives(
-    way_back: WayBack, best: WorkingPlacement, twin: WorkingPlacement
+    way_back: WayBack,
+    best: WorkingPlacement,
+    rival: WorkingPlacement | None,
+    twin: WorkingPlacement | None,
 ) -> tuple[Placement, ...]:
-    """The mirrored twin, if its score is near the best."""
-    if twin.score < best.score - PLAUSIBLE:
-        return ()
-    covered = twin.mask.astype(np.float64)
-    place = way_back.placement(twin.points, twin.mask, covered, score=twin.score, mirrored=True)
-    return (place,)
+    """Another place and the mirrored twin, if their scores are near the best; the better first."""
+    others = [
+        (other, mirrored)
+        for other, mirrored in ((rival, False), (twin, True))
+        if other is not None and other.score >= best.score - PLAUSIBLE
+    ]
+    return tuple(
+        way_back.placement(
+            other.points,
+            other.mask,
+            other.mask.astype(np.float64),
+            score=other.score,
+            mirrored=mirrored,
+        )
+        for other, mirrored in sorted(others, key=lambda each: -each[0].score)
+    )
 
 
 def _sure_of_side(part: Intake, result: MatchResult) -> bool:

@@ -9,6 +9,7 @@ from functools import partial
 import numpy as np
 
 from sherd.arrays import Bools, Ints
+from sherd.correspondence.elsewhere import LabeledElsewhere, are_apart, labeled_elsewhere
 from sherd.correspondence.hints import check_hints, pins_of, without_ignored, working_pins
 from sherd.correspondence.labels.anchors import chance_energy, find_anchors, first_labeling
 from sherd.correspondence.labels.labeling import SAME_SCALE, UNKNOWN_SCALE, Labeling
@@ -99,6 +100,8 @@ class LabeledPart:
         The last labeling, and the energy of the first one.
     chance_level
         Waits for the energy of one where nothing belongs together.
+    elsewhere
+        Waits for a labeling in another place.
     twin
         Waits for the placement of the mirror image; for None if it is not asked.
     rng
@@ -110,6 +113,7 @@ class LabeledPart:
     labeling: Labeling
     start_energy: float
     chance_level: Callable[[], float]
+    elsewhere: Callable[[], LabeledElsewhere | None]
     twin: Callable[[], WorkingPlacement | None]
     rng: np.random.Generator
 
@@ -128,7 +132,10 @@ class PlacedPart(AskedPart):
     queries
         What looks for similar places.
     best, other
-        The better and the worse of two placements.
+        The better and the worse of two placements in one place, as far as both agree.
+    rival
+        The best placement found where most of the part lies elsewhere; None if there is none that
+        may be as good.
     twin
         Of the mirror image; None if not asked.
     energies
@@ -141,6 +148,7 @@ class PlacedPart(AskedPart):
     queries: Queries
     best: WorkingPlacement
     other: WorkingPlacement
+    rival: WorkingPlacement | None
     twin: WorkingPlacement | None
     energies: tuple[float, float, float]
     labeling_energy: float
@@ -247,24 +255,72 @@ def laid_part(labeled: LabeledPart, stages: Stages) -> PlacedPart:
         first = begun(partial(placement_from_look, question, laid, look))
     with stages("second placement"):
         second = second_placement(question, look, queries, rng)
-        best, other = sorted((first(), second), key=lambda found: -found.score)
-        energies = (labeled.start_energy, labeled.energy, labeled.chance_level())
+        best, other = sorted((first(), second), key=_worse_last)
+        by_chance = labeled.chance_level()
+        found = _Found(best, other, (labeled.start_energy, labeled.energy, by_chance))
         viewer = question.part.viewer
         if viewer is not None:
             viewed = viewed_placement(question, viewer, best, queries, rng)
             if viewed.placement.score > best.score - VIEWED_MARGIN:
-                best, other, energies = viewed.placement, best, viewed.energies
+                found = _Found(viewed.placement, best, viewed.energies)
+    with stages("elsewhere"):
+        elsewhere = labeled.elsewhere()
+        rival = None
+        # what knows of a viewer and what does not cannot be compared by their scores
+        if viewer is None and elsewhere is not None:
+            found, rival = _beside_elsewhere(found, elsewhere, question, queries, rng)
     with stages("mirrored twin"):
         twin = labeled.twin()
     return PlacedPart(
         **vars(asked),
         queries=queries,
-        best=best,
-        other=other,
+        best=found.best,
+        other=found.other,
+        rival=rival,
         twin=twin,
-        energies=energies,
+        energies=found.energies,
         labeling_energy=labeled.energy,
     )
+
+
+@dataclass(frozen=True, eq=False)
+class _Found:
+    """The better and the worse of two placements, and the energies of their labelings."""
+
+    best: WorkingPlacement
+    other: WorkingPlacement
+    energies: tuple[float, float, float]
+
+
+def _beside_elsewhere(
+    found: _Found,
+    elsewhere: LabeledElsewhere,
+    question: Question,
+    queries: Queries,
+    rng: np.random.Generator,
+) -> tuple[_Found, WorkingPlacement | None]:
+    """The better of two places, and the placement in the other one; None if it is no other.
+
+    A place is laid a second time if it is the better one, as it is then believed.
+    """
+    start, _, by_chance = found.energies
+    places = [found.other]
+    if elsewhere.is_as_cheap(start, by_chance):
+        labeling = elsewhere.finished()
+        laid, look = seen_by_labeling(question, labeling, queries)
+        first = placement_from_look(question, laid, look)
+        places.append(first)
+        if first.score > found.best.score and are_apart(first, found.best):
+            second = second_placement(question, look, queries, rng)
+            places += [found.best, second]
+            best, other = sorted((first, second), key=_worse_last)
+            found = _Found(best, other, (elsewhere.energy, labeling.energy, by_chance))
+    rivals = [place for place in places if are_apart(place, found.best)]
+    return found, max(rivals, key=lambda place: place.score, default=None)
+
+
+def _worse_last(placement: WorkingPlacement) -> float:
+    return -placement.score
 
 
 def _generators(options: MatchOptions) -> list[np.random.Generator]:
@@ -290,8 +346,9 @@ def _labeled(
         # a generator of its own: what follows stays what it would be without this
         own_rng = np.random.default_rng(asked.options.seed)
         chance_level = begun(partial(chance_energy, problem, own_rng))
-        # the problem is large, and from here on of use to that work only
-    return LabeledPart(asked, queries, labeling, start.energy, chance_level, twin, rng)
+        elsewhere = begun(partial(labeled_elsewhere, problem, labeling))
+        # the problem is large, and from here on of use to these works only
+    return LabeledPart(asked, queries, labeling, start.energy, chance_level, elsewhere, twin, rng)
 
 
 def _both_described(

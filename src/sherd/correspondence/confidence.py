@@ -17,6 +17,7 @@ __all__ = [
     "confidence_features",
     "confidences",
     "foreign_vertices",
+    "lies_elsewhere",
     "matched_vertices",
     "share_laid_double",
 ]
@@ -26,6 +27,8 @@ FEATURES = ("one", "lack of similarity", "strain", "disagreement", "whole lack",
 # Fitted on nine parts of three animated animals (cat, lion, horse; cuts and holes, meshed anew),
 # 32,000 vertices: above 0.2 each tenth was kept within 0.15, all together within 0.01.
 COEFFICIENTS = (8.2, -6.3, -1.1, -46.0, -7.7, -9.3)
+# A confidence is the chance of an error below this.
+NEAR = 0.05
 # Nothing found by measuring is certain.
 LEAST, MOST = 0.005, 0.995
 # A vertex is unmatched if neighborhoods disagree this much and the skin tears besides.
@@ -74,6 +77,14 @@ def confidences(features: Floats) -> Floats:
     chance = 1.0 / (1.0 + np.exp(-features @ np.array(COEFFICIENTS)))
     result: Floats = np.clip(chance, LEAST, MOST)
     return result
+
+
+def lies_elsewhere(
+    part: DescribedSurface, best: WorkingPlacement, rival: WorkingPlacement
+) -> Bools:
+    """The vertices (n',) of the part itself that a rival lays farther off than an error counts."""
+    apart = np.linalg.norm(best.deformation.positions - rival.deformation.positions, axis=1)
+    return part.working.at_own_vertices(apart) > NEAR
 
 
 def matched_vertices(features: Floats) -> Bools:

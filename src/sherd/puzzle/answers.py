@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 
 import numpy as np
@@ -16,7 +16,7 @@ from sherd.puzzle.border import REACH, border_of
 from sherd.puzzle.borders import fits_of
 from sherd.puzzle.joint_choice import shared_areas
 from sherd.puzzle.partition import GAP, Partition
-from sherd.puzzle.trials import Trial, clashes
+from sherd.puzzle.trials import CLASH, Trial, clashes
 from sherd.region.coverage import smoothed
 from sherd.results.advice import SURE
 from sherd.results.match_result import MatchResult
@@ -115,7 +115,7 @@ def _answer(piece: int, intake: Intake, decision: Decision, stages: Stages) -> P
         reason = decision.impossible[piece]
         return PieceAnswer(intake.original, placed=False, reason=reason, chance=0.0)
     if piece in decision.placed:
-        result = match_result(decision.placed[piece], stages)
+        result = match_result(_beside_others(piece, decision.placed), stages)
         motion = decision.chosen[piece].motion
         return PieceAnswer(
             result.part,
@@ -136,6 +136,20 @@ def _answer(piece: int, intake: Intake, decision: Decision, stages: Stages) -> P
         match=result,
         instead=instead,
     )
+
+
+def _beside_others(piece: int, placed: Mapping[int, PlacedPart]) -> PlacedPart:
+    """A placed piece; where it lies as well is no doubt of its place if others have that."""
+    own = placed[piece]
+    if own.rival is None:
+        return own
+    areas = own.template.placed.vertex_areas
+    taken = np.logical_or.reduce(
+        [np.zeros(len(areas), dtype=bool), *(placed[k].best.mask for k in placed if k != piece)]
+    )
+    there = own.rival.mask
+    free = float(areas @ (there & ~taken)) >= (1.0 - CLASH) * float(areas @ there)
+    return own if free else replace(own, rival=None)
 
 
 def _place_words(result: MatchResult, chance: float) -> str:

@@ -84,7 +84,8 @@ def rigidly_placed(placed: PlacedPart, tolerance: float) -> tuple[PlacedPart, Ri
     look = look_inside(question, deformation, placed.queries)
     best = replace(judged_placement(question, deformation, look), known_points=points)
     share = float(areas @ (off <= tolerance) / areas.sum())
-    return replace(placed, best=best), motion, share
+    # where it lies as well it was bent, which scores higher
+    return replace(placed, best=best, rival=None), motion, share
 
 
 def _fitted(

@@ -51,6 +51,8 @@ class Doubts:
         That the placement as a whole is right.
     featureless
         Whether the part looks the same everywhere, as a plane, a sphere or a tube does.
+    elsewhere
+        Whether the part fits about as well in another place.
     twin
         Whether the mirror image of the part fits better than the part.
     unchecked
@@ -76,6 +78,7 @@ class Doubts:
 
     chance: float = 1.0
     featureless: bool = False
+    elsewhere: bool = False
     twin: bool = False
     unchecked: str = ""
     unlike: bool = False
@@ -93,6 +96,7 @@ class Doubts:
         doubtful = (
             self.chance < SURE
             or self.featureless
+            or self.elsewhere
             or self.twin
             or self.unchecked
             or self.unlike
@@ -137,6 +141,11 @@ class Doubts:
             said.append(
                 "the part looks the same everywhere and fits anywhere; give a larger part or "
                 "landmarks"
+            )
+        if self.elsewhere:
+            said.append(
+                "the part fits about as well in another place, as one of several that are alike; "
+                "look at the alternative, give a larger part or landmarks"
             )
         if self.twin:
             said.append(

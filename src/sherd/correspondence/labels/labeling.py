@@ -122,6 +122,12 @@ class Problem:
         problem.__dict__["_peaks"] = self._peaks  # where cached properties are kept
         return problem
 
+    def forbidding(self, more: Bools) -> Problem:
+        """The same problem with `more` labels (k, s) forbidden; what was computed is shared."""
+        problem = replace(self, forbidden=self.forbidden | more)
+        problem.__dict__["_peaks"] = self._peaks
+        return problem
+
     def mixed(self, order: Ints) -> Problem:
         """The same problem where each node looks as another does, (k,) a permutation."""
         problem = replace(self, forbidden=self.forbidden[order], order=self._rows(order))
