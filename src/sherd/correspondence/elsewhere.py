@@ -13,14 +13,12 @@ from functools import partial
 
 import numpy as np
 
-from sherd.correspondence.labels.anchors import find_anchors, first_labeling
+from sherd.correspondence.labels.anchors import ELSEWHERE, find_anchors, first_labeling
 from sherd.correspondence.labels.labeling import Labeling, Problem
 from sherd.correspondence.working_placement import WorkingPlacement
 
 __all__ = ["LabeledElsewhere", "are_apart", "labeled_elsewhere"]
 
-# Two places are different where they are as far apart as the largest neighborhood is wide.
-APART = 0.1
 # Arms of stars that are all alike take labels elsewhere up to a quarter of the way from the energy
 # of their own to that of chance, as labels are sampled: where part and full shape have the very
 # same vertices; otherwise up to a ninth.
@@ -49,7 +47,7 @@ class LabeledElsewhere:
 
 def labeled_elsewhere(problem: Problem, labeling: Labeling) -> LabeledElsewhere | None:
     """Label each node at least as far from its label as places are apart; None where it cannot."""
-    near = problem.labels.between[labeling.labels] < APART
+    near = problem.labels.between[labeling.labels] < ELSEWHERE
     elsewhere = problem.forbidding(near)
     if elsewhere.forbidden.all(axis=1).any():
         return None
@@ -60,4 +58,4 @@ def labeled_elsewhere(problem: Problem, labeling: Labeling) -> LabeledElsewhere 
 def are_apart(one: WorkingPlacement, other: WorkingPlacement) -> bool:
     """Whether most of the part lies elsewhere; what slid back along a limb does not."""
     apart = np.linalg.norm(one.deformation.positions - other.deformation.positions, axis=1)
-    return bool(np.median(apart) > APART)
+    return bool(np.median(apart) > ELSEWHERE)

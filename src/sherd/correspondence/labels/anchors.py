@@ -22,6 +22,7 @@ from sherd.correspondence.labels.labeling import (
 from sherd.correspondence.labels.labeling_data import State
 
 __all__ = [
+    "ELSEWHERE",
     "candidates_again",
     "candidates_around",
     "chance_energy",

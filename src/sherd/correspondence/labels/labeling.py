@@ -118,14 +118,14 @@ class Problem:
 
     def priced(self, price: float, *, inside: float = 1.0) -> Problem:
         """The same problem with nowhere among the labels; what was computed of it is shared."""
-        problem = replace(self, price=price, inside=inside)
-        problem.__dict__["_peaks"] = self._peaks  # where cached properties are kept
-        return problem
+        return self._of_same_peaks(replace(self, price=price, inside=inside))
 
     def forbidding(self, more: Bools) -> Problem:
         """The same problem with `more` labels (k, s) forbidden; what was computed is shared."""
-        problem = replace(self, forbidden=self.forbidden | more)
-        problem.__dict__["_peaks"] = self._peaks
+        return self._of_same_peaks(replace(self, forbidden=self.forbidden | more))
+
+    def _of_same_peaks(self, problem: Problem) -> Problem:
+        problem.__dict__["_peaks"] = self._peaks  # where cached properties are kept
         return problem
 
     def mixed(self, order: Ints) -> Problem:
