@@ -54,7 +54,7 @@ Number = TypeVar("Number", float, Floats)
 
 STAGES = (
     "full shape", "part", "scale", "anchors", "first placement", "second placement",
-    "elsewhere", "mirrored twin", "confidence", "region",
+    "elsewhere", "relief", "mirrored twin", "confidence", "region",
 )  # fmt: skip
 
 # A twin whose score is this close to the best could be the right one without its handedness.
@@ -62,9 +62,6 @@ PLAUSIBLE = 0.1
 # Repeated runs on remeshed copies of one pair differ by about as much: a twin that is better by
 # more explains the part better than the answer does.
 TWIN_MARGIN = 0.02
-# Arms of stars that are all alike, meshed anew and bent, differ by this much but for one in 24
-# (0.04).
-RIVAL_MARGIN = 0.02
 # When answers are promised to be near for fewer than half of the vertices, another shape would do.
 POOR = 0.5
 # No place can be used twice; up to this share of the part it may be noise.
@@ -144,7 +141,7 @@ def match_result(placed: PlacedPart, stages: Stages) -> MatchResult:
     """The answer for a placed part: confidence, region and what to think of it."""
     template, part, options = placed.template, placed.part, placed.options
     question, best, twin = placed.question, placed.best, placed.twin
-    surface, rival = question.part, _equal_rival(placed)
+    surface, rival = question.part, placed.equal_rival
     chance = placed.chance if rival is None else _chance_of_either(placed.chance)
     way_back = WayBack(template.intake, part, placed.kept)
     alternatives = begun(lambda: _alternatives(way_back, best, placed.rival, twin))
@@ -198,13 +195,6 @@ def match_result(placed: PlacedPart, stages: Stages) -> MatchResult:
         advice=doubts.advice,
         unfollowed_landmarks=doubts.unfollowed,
     )
-
-
-def _equal_rival(placed: PlacedPart) -> WorkingPlacement | None:
-    """The placement in another place, if the part fits there about as well."""
-    rival = placed.rival
-    near = rival is not None and rival.score > placed.best.score - RIVAL_MARGIN
-    return rival if near else None
 
 
 def _chance_of_either(chance: Number) -> Number:

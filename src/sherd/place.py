@@ -9,7 +9,9 @@ from functools import partial
 import numpy as np
 
 from sherd.arrays import Bools, Ints
-from sherd.correspondence.elsewhere import LabeledElsewhere, are_apart, labeled_elsewhere
+from sherd.correspondence.by_relief import labeled_by_relief
+from sherd.correspondence.elsewhere import LabeledElsewhere, labeled_elsewhere
+from sherd.correspondence.found import Found, beside_elsewhere, beside_relief, found_of_two
 from sherd.correspondence.hints import check_hints, pins_of, without_ignored, working_pins
 from sherd.correspondence.labels.anchors import chance_energy, find_anchors, first_labeling
 from sherd.correspondence.labels.labeling import SAME_SCALE, UNKNOWN_SCALE, Labeling
@@ -18,10 +20,6 @@ from sherd.correspondence.placements import (
     mirrored_placement,
     second_placement,
     viewed_placement,
-)
-from sherd.correspondence.plausibility import (
-    placement_chance,
-    placement_features,
 )
 from sherd.correspondence.question import Pins, Question
 from sherd.correspondence.scale import (
@@ -102,6 +100,8 @@ class LabeledPart:
         Waits for the energy of one where nothing belongs together.
     elsewhere
         Waits for a labeling in another place.
+    by_relief
+        Finds a labeling by relief as well, when it is asked for.
     twin
         Waits for the placement of the mirror image; for None if it is not asked.
     rng
@@ -114,6 +114,7 @@ class LabeledPart:
     start_energy: float
     chance_level: Callable[[], float]
     elsewhere: Callable[[], LabeledElsewhere | None]
+    by_relief: Callable[[], Labeling]
     twin: Callable[[], WorkingPlacement | None]
     rng: np.random.Generator
 
@@ -124,45 +125,22 @@ class LabeledPart:
 
 
 @dataclass(frozen=True, eq=False)
-class PlacedPart(AskedPart):
-    """The placements of one part, of which an answer is made; and what was asked.
+class PlacedPart(AskedPart, Found):
+    """The placements of one part, and what was asked.
 
     Attributes
     ----------
     queries
         What looks for similar places.
-    best, other
-        The better and the worse of two placements in one place, as far as both agree.
-    rival
-        The best placement found where most of the part lies elsewhere; None if there is none that
-        may be as good.
     twin
         Of the mirror image; None if not asked.
-    energies
-        Of the first and the last labeling, and what they would be if nothing belonged together; of
-        a part that was seen from one side those of what its viewer saw.
     labeling_energy
         Of the last labeling, whatever a viewer saw.
     """
 
     queries: Queries
-    best: WorkingPlacement
-    other: WorkingPlacement
-    rival: WorkingPlacement | None
     twin: WorkingPlacement | None
-    energies: tuple[float, float, float]
     labeling_energy: float
-
-    @property
-    def chance(self) -> float:
-        """That the best placement as a whole is right, in [0, 1]."""
-        first, last, by_chance = self.energies
-        surface = self.question.part
-        return placement_chance(
-            placement_features(
-                surface, self.best, self.other, (first, last), chance_energy=by_chance
-            )
-        )
 
 
 def placed_part(
@@ -255,72 +233,31 @@ def laid_part(labeled: LabeledPart, stages: Stages) -> PlacedPart:
         first = begun(partial(placement_from_look, question, laid, look))
     with stages("second placement"):
         second = second_placement(question, look, queries, rng)
-        best, other = sorted((first(), second), key=_worse_last)
         by_chance = labeled.chance_level()
-        found = _Found(best, other, (labeled.start_energy, labeled.energy, by_chance))
+        found = found_of_two(first(), second, (labeled.start_energy, labeled.energy, by_chance))
         viewer = question.part.viewer
         if viewer is not None:
-            viewed = viewed_placement(question, viewer, best, queries, rng)
-            if viewed.placement.score > best.score - VIEWED_MARGIN:
-                found = _Found(viewed.placement, best, viewed.energies)
+            viewed = viewed_placement(question, viewer, found.best, queries, rng)
+            if viewed.placement.score > found.best.score - VIEWED_MARGIN:
+                found = Found(viewed.placement, found.best, None, viewed.energies)
+    # what knows of a viewer and what does not cannot be compared by their scores
     with stages("elsewhere"):
         elsewhere = labeled.elsewhere()
-        rival = None
-        # what knows of a viewer and what does not cannot be compared by their scores
         if viewer is None and elsewhere is not None:
-            found, rival = _beside_elsewhere(found, elsewhere, question, queries, rng)
+            found = beside_elsewhere(found, elsewhere, queries, rng)
+    with stages("relief"):
+        # one try more would make what does not belong a little likelier
+        if viewer is None and found.doubtful:
+            found = beside_relief(found, labeled.by_relief(), queries, rng)
     with stages("mirrored twin"):
         twin = labeled.twin()
     return PlacedPart(
         **vars(asked),
+        **vars(found),
         queries=queries,
-        best=found.best,
-        other=found.other,
-        rival=rival,
         twin=twin,
-        energies=found.energies,
         labeling_energy=labeled.energy,
     )
-
-
-@dataclass(frozen=True, eq=False)
-class _Found:
-    """The better and the worse of two placements, and the energies of their labelings."""
-
-    best: WorkingPlacement
-    other: WorkingPlacement
-    energies: tuple[float, float, float]
-
-
-def _beside_elsewhere(
-    found: _Found,
-    elsewhere: LabeledElsewhere,
-    question: Question,
-    queries: Queries,
-    rng: np.random.Generator,
-) -> tuple[_Found, WorkingPlacement | None]:
-    """The better of two places, and the placement in the other one; None if it is no other.
-
-    A place is laid a second time if it is the better one, as it is then believed.
-    """
-    start, _, by_chance = found.energies
-    places = [found.other]
-    if elsewhere.is_as_cheap(start, by_chance):
-        labeling = elsewhere.finished()
-        laid, look = seen_by_labeling(question, labeling, queries)
-        first = placement_from_look(question, laid, look)
-        places.append(first)
-        if first.score > found.best.score and are_apart(first, found.best):
-            second = second_placement(question, look, queries, rng)
-            places += [found.best, second]
-            best, other = sorted((first, second), key=_worse_last)
-            found = _Found(best, other, (elsewhere.energy, labeling.energy, by_chance))
-    rivals = [place for place in places if are_apart(place, found.best)]
-    return found, max(rivals, key=lambda place: place.score, default=None)
-
-
-def _worse_last(placement: WorkingPlacement) -> float:
-    return -placement.score
 
 
 def _generators(options: MatchOptions) -> list[np.random.Generator]:
@@ -347,8 +284,17 @@ def _labeled(
         own_rng = np.random.default_rng(asked.options.seed)
         chance_level = begun(partial(chance_energy, problem, own_rng))
         elsewhere = begun(partial(labeled_elsewhere, problem, labeling))
-        # the problem is large, and from here on of use to these works only
-    return LabeledPart(asked, queries, labeling, start.energy, chance_level, elsewhere, twin, rng)
+    return LabeledPart(
+        asked=asked,
+        queries=queries,
+        labeling=labeling,
+        start_energy=start.energy,
+        chance_level=chance_level,
+        elsewhere=elsewhere,
+        by_relief=partial(labeled_by_relief, problem),
+        twin=twin,
+        rng=rng,
+    )
 
 
 def _both_described(

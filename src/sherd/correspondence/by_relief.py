@@ -1,0 +1,29 @@
+"""By relief: a labeling that compares the skin as well, for a part whose place is not sure.
+
+Where a pose bends a joint, normals turn, and the right label is no longer among the most similar
+ones; bumps and hollows of the skin stay. They say little of another individual, and nothing of a
+noisy scan, so the place that they lead to counts only if the part fits better there.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from sherd.correspondence.labels.anchors import find_anchors, proposed_anchors
+from sherd.correspondence.labels.labeling import Labeling, Problem
+from sherd.correspondence.labels.relief_similarity import with_relief
+
+__all__ = ["labeled_by_relief"]
+
+# One round among what is similar in normals, to know what the labels cost by these alone.
+SETTLING_ROUNDS = 2
+
+
+def labeled_by_relief(problem: Problem) -> Labeling:
+    """The labeling by normals and relief; its energy is what it settles at by normals alone.
+
+    So it can be compared with the energy of the problem itself, and with that of chance.
+    """
+    found = find_anchors(with_relief(problem))
+    settled = proposed_anchors(problem, found, rounds=SETTLING_ROUNDS)
+    return replace(found, energy=settled.energy)
