@@ -74,6 +74,14 @@ def test_a_right_answer_passes_its_check(known) -> None:
     assert check.preserved > 0.999
 
 
+def test_where_nothing_is_matched_the_check_says_so_without_a_number(known) -> None:
+    nowhere = replace(known.best, matched=np.zeros(known.part.vertex_count, dtype=bool))
+    check = replace(known, best=nowhere).check()
+    assert not check.passed
+    assert "no edge of the part has a place" in check.failures
+    assert "nan" not in check.failures
+
+
 def test_wrong_answers_do_not_pass(known, fragment, answered) -> None:
     truth, count = fragment.truth, fragment.mesh.vertex_count
     shuffled = answered(truth[np.random.default_rng(0).permutation(count)]).check()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
@@ -52,7 +53,7 @@ class MatchCheck:
     area_ratio
         Area of the region over area of the part at the estimated scale.
     edge_stretch
-        Median of `|log(mapped length / length)|` over the part's edges.
+        Median of `|log(mapped length / length)|` over the part's edges; nan if none is matched.
     preserved
         Share of the part's area whose mapped faces keep their orientation.
     passed
@@ -75,7 +76,9 @@ class MatchCheck:
         said = []
         if not abs(self.area_ratio - 1) < AREA_LIMIT:
             said.append(f"the region has {self.area_ratio:.2f} times the area of the part")
-        if not self.edge_stretch < STRETCH_LIMIT:
+        if math.isnan(self.edge_stretch):
+            said.append("no edge of the part has a place")
+        elif not self.edge_stretch < STRETCH_LIMIT:
             said.append(f"half of the edges are stretched by more than {self.edge_stretch:.2f}")
         if not self.preserved > PRESERVED_LIMIT:
             said.append(f"only {self.preserved:.0%} of the part keep their orientation")
