@@ -9,21 +9,18 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from sherd.correspondence.labels.anchors import find_anchors, proposed_anchors
-from sherd.correspondence.labels.labeling import Labeling, Problem
+from sherd.correspondence.labels.anchors import candidates_again, find_anchors
+from sherd.correspondence.labels.labeling import Labeling, Problem, solve
 from sherd.correspondence.labels.relief_similarity import with_relief
 
 __all__ = ["labeled_by_relief"]
-
-# One round among what is similar in normals, to know what the labels cost by these alone.
-SETTLING_ROUNDS = 2
 
 
 def labeled_by_relief(problem: Problem) -> Labeling:
     """The labeling by normals and relief; its energy is what it settles at by normals alone.
 
-    So it can be compared with the energy of the problem itself, and with that of chance.
+    In one round; so it can be compared with that of the problem itself, and with that of chance.
     """
     found = find_anchors(with_relief(problem))
-    settled = proposed_anchors(problem, found, rounds=SETTLING_ROUNDS)
+    settled = solve(problem, *candidates_again(problem, found))
     return replace(found, energy=settled.energy)

@@ -59,7 +59,7 @@ def confidence_features(
     near = near.reshape(len(positions), -1)
     lack = (1.0 - np.clip(best.similarity, 0.0, 1.0))[near].mean(axis=1)
     strain = np.minimum(best.strain[queries.vertices], 1.0)[near].mean(axis=1)
-    apart = np.linalg.norm(best.deformation.positions - other.deformation.positions, axis=1)
+    apart = best.distances_to(other)
     ones = np.ones(len(positions))
     features = np.stack(
         [ones, lack, strain, np.minimum(apart, 0.3), ones * lack.mean(), ones * strain.mean()],
@@ -83,7 +83,7 @@ def lies_elsewhere(
     part: DescribedSurface, best: WorkingPlacement, rival: WorkingPlacement
 ) -> Bools:
     """The vertices (n',) of the part itself that a rival lays farther off than an error counts."""
-    apart = np.linalg.norm(best.deformation.positions - rival.deformation.positions, axis=1)
+    apart = best.distances_to(rival)
     return part.working.at_own_vertices(apart) > NEAR
 
 

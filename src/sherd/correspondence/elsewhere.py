@@ -57,5 +57,5 @@ def labeled_elsewhere(problem: Problem, labeling: Labeling) -> LabeledElsewhere 
 
 def are_apart(one: WorkingPlacement, other: WorkingPlacement) -> bool:
     """Whether most of the part lies elsewhere; what slid back along a limb does not."""
-    apart = np.linalg.norm(one.deformation.positions - other.deformation.positions, axis=1)
+    apart = one.distances_to(other)
     return bool(np.median(apart) > ELSEWHERE)

@@ -7,7 +7,7 @@ once more, and the better score is the answer; the best of the others that lies 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -115,13 +115,13 @@ def beside_relief(
     """
     question, (start, _, by_chance) = found.best.question, found.energies
     laid, look = seen_by_labeling(question, labeling, queries)
-    pair = (
+    led = found_of_two(
         placement_from_look(question, laid, look),
         second_placement(question, look, queries, rng),
+        found.energies,
     )
-    led = found_of_two(*pair, found.energies)
     if are_apart(led.best, found.best):
-        led = found_of_two(*pair, (start, labeling.energy, by_chance))
+        led = replace(led, energies=(start, labeling.energy, by_chance))
     places = [led.best, found.best] + ([] if found.rival is None else [found.rival])
     return _with_rival(led if led.best.score > found.best.score else found, places)
 
@@ -130,7 +130,7 @@ def _with_rival(found: Found, places: Sequence[WorkingPlacement]) -> Found:
     """The same with the best of the places where most of the part lies elsewhere."""
     apart = [place for place in places if are_apart(place, found.best)]
     rival = max(apart, key=lambda place: place.score, default=None)
-    return Found(found.best, found.other, rival, found.energies)
+    return replace(found, rival=rival)
 
 
 def _worse_last(placement: WorkingPlacement) -> float:

@@ -69,7 +69,7 @@ def placement_features(
     place; strain, and distance between the two placements, at most 0.3, means over the part.
     """
     areas = part.mesh.vertex_areas
-    apart = np.linalg.norm(best.deformation.positions - other.deformation.positions, axis=1)
+    apart = best.distances_to(other)
     return np.array(
         [
             1.0,

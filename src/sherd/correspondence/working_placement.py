@@ -103,6 +103,13 @@ class WorkingPlacement:
             return self.known_points
         return surface_points(self.question, self.question.full.own_finder, self.deformation)
 
+    def distances_to(self, other: WorkingPlacement) -> Floats:
+        """How far (n',) each vertex of the part's working mesh lies from where another lays it."""
+        apart: Floats = np.linalg.norm(
+            self.deformation.positions - other.deformation.positions, axis=1
+        )
+        return apart
+
     @cached_property
     def mask(self) -> Bools:
         """(n,) bool, the vertices of the full shape itself that the part covers.
