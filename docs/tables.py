@@ -1,8 +1,10 @@
-"""Write the tables of docs/benchmark.md from bench.json files.
+"""Write the tables of docs/benchmark.md from what benchmarks write.
 
 python docs/tables.py shrec16 stored=out/stored/bench.json remeshed=out/remeshed/bench.json
 python docs/tables.py region remeshed=out/region/bench.json
 python docs/tables.py individuals "other people=out/faust/bench.json"
+python docs/tables.py puzzles "wolf, cat=out/puzzle/puzzle.json"
+python docs/tables.py joins "tosca_poses=out/join/join.json"
 """
 
 from __future__ import annotations
@@ -26,6 +28,11 @@ INDIVIDUALS = (
     "Mirror forgiven | Coverage | IoU | With a place | Without: found | Without: ranked | "
     "Seconds (median) |"
 )
+PUZZLES = (
+    "| Puzzles | Way | Number | Labels | Error x100 | Bad | Own refused | Foreign refused | "
+    "F1 of refusal | IoU of the gap | Seconds |"
+)
+JOINS = "| Puzzle | Together | Joins right | Foreign alone | Error x100 | Known | Seconds |"
 
 
 def shrec16_rows(setting: str, document: dict[str, Any]) -> list[str]:
@@ -77,6 +84,44 @@ def individuals_rows(setting: str, document: dict[str, Any]) -> list[str]:
     return rows
 
 
+def puzzles_rows(setting: str, document: dict[str, Any]) -> list[str]:
+    """Two rows from the document of `sherd bench puzzle`: together, and single matches."""
+    rows = []
+    for way, total in document["totals"].items():
+        cells = [
+            setting,
+            way,
+            f"{total['puzzles']}",
+            shown(total["labels"], "{:.3f}"),
+            shown(total["error"], "{:.2f}", 100),
+            f"{total['bad']} of {total['own']}",
+            f"{total['own_refused']} of {total['own']}",
+            f"{total['foreign_refused']} of {total['foreign']}",
+            shown(total["refusal_f1"], "{:.2f}"),
+            shown(total["gap_iou"], "{:.2f}"),
+            f"{total['seconds']:.0f}",
+        ]
+        rows.append(f"| {' | '.join(cells)} |")
+    return rows
+
+
+def joins_rows(setting: str, document: dict[str, Any]) -> list[str]:
+    """A row for each puzzle from the document of `sherd bench join`."""
+    rows = []
+    for row in document["rows"]:
+        cells = [
+            f"{row['puzzle']} ({setting})",
+            f"{row['together']} of {row['own']}",
+            f"{row['joined_right']} of {row['joined']}",
+            "yes" if row["foreign_alone"] else "no",
+            shown(row["error"], "{:.2f}", 100),
+            shown(row["known"], "{:.2f}"),
+            f"{row['seconds']:.0f}",
+        ]
+        rows.append(f"| {' | '.join(cells)} |")
+    return rows
+
+
 def shown(value: float | None, pattern: str, factor: int = 1) -> str:
     """A number as text, or a dash where it is not known."""
     return "-" if value is None else pattern.format(factor * value)
@@ -86,6 +131,8 @@ KINDS: dict[str, tuple[str, Callable[[str, dict[str, Any]], list[str]]]] = {
     "shrec16": (SHREC16, shrec16_rows),
     "region": (REGION, region_rows),
     "individuals": (INDIVIDUALS, individuals_rows),
+    "puzzles": (PUZZLES, puzzles_rows),
+    "joins": (JOINS, joins_rows),
 }
 
 
@@ -101,7 +148,7 @@ def main() -> None:
     """Read the named files and write docs/tables/KIND.md."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("kind", choices=KINDS)
-    parser.add_argument("files", nargs="+", metavar="SETTING=bench.json")
+    parser.add_argument("files", nargs="+", metavar="SETTING=FILE")
     given = parser.parse_args()
     documents = {}
     for entry in given.files:

@@ -158,3 +158,16 @@ def test_tables_are_made_from_what_benchmarks_write() -> None:
     lines = program["table"]("region", {"stored": {"rows": [row, row]}}).splitlines()
     assert lines[2].startswith("| stored | 2 | 0.250 |")
     assert len({line.count("|") for line in lines}) == 1
+    total = dict.fromkeys(("puzzles", "bad", "own", "own_refused", "foreign", "foreign_refused"), 2)
+    total |= dict.fromkeys(("labels", "error", "seconds"), 0.5) | dict.fromkeys(
+        ("refusal_f1", "gap_iou")
+    )
+    document = {"totals": {"together": total, "single": total}}
+    lines = program["table"]("puzzles", {"wolves": document}).splitlines()
+    assert lines[2].startswith("| wolves | together | 2 | 0.500 | 50.00 | 2 of 2 |")
+    assert len({line.count("|") for line in lines}) == 1
+    row = dict.fromkeys(("own", "together", "joined", "joined_right"), 6)
+    row |= {"puzzle": "wolf", "foreign_alone": True, "error": None, "known": 0.9, "seconds": 3.2}
+    lines = program["table"]("joins", {"tosca": {"rows": [row]}}).splitlines()
+    assert lines[2] == "| wolf (tosca) | 6 of 6 | 6 of 6 | yes | - | 0.90 | 3 |"
+    assert len({line.count("|") for line in lines}) == 1
