@@ -12,6 +12,7 @@ from sherd.descriptors.relief_patches import (
     SHIFTS,
     ReliefPatches,
     patch_similarity,
+    patch_similarity_in_pairs,
     relief_patches,
     relief_pictures,
 )
@@ -149,6 +150,16 @@ def test_too_little_in_common_says_nothing(standing: TriangleMesh) -> None:
     patches = patches_of(standing, QUERIES[:4])
     hidden = ReliefPatches(patches.means, np.zeros_like(patches.seen))
     assert not patch_similarity(patches, hidden, CELLS[:4], 4).any()
+
+
+def test_pairs_are_as_alike_as_when_all_are_compared(
+    standing: TriangleMesh, walking: TriangleMesh
+) -> None:
+    full, part = patches_of(standing, QUERIES), patches_of(walking, QUERIES)
+    own, other = np.array([0, 0, 3, 7]), np.array([0, 5, 3, 2])
+    pairs = patch_similarity_in_pairs(full[other], part[own])
+    alike = patch_similarity(full, part, CELLS, len(CELLS)).max(axis=2)
+    np.testing.assert_allclose(pairs, alike[own, other], atol=1e-5)
 
 
 def test_cells_without_a_patch_have_no_similarity(standing: TriangleMesh) -> None:

@@ -21,6 +21,7 @@ section 2: correlation of what both masks show, which is computed here shift by 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache, partial
 
@@ -33,7 +34,14 @@ from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.spectral.optical_flow import ranks
 from sherd.threads import one_blas_thread, over_rows, side_by_side
 
-__all__ = ["SHIFTS", "ReliefPatches", "patch_similarity", "relief_patches", "relief_pictures"]
+__all__ = [
+    "SHIFTS",
+    "ReliefPatches",
+    "patch_similarity",
+    "patch_similarity_in_pairs",
+    "relief_patches",
+    "relief_pictures",
+]
 
 # Widths of bumps, in sqrt(area) of the larger piece: little more than the edges of a mesh of 10,000
 # vertices, and twice that. On pairs of a horse's pieces the right label came first for a few nodes
@@ -150,12 +158,27 @@ def patch_similarity(
     blocks = np.array_split(order, max(1, -(-len(order) // BLOCK)))
     for block in blocks:
         there = full[block]
-        shifted = side_by_side(partial(_correlation, own, there, shift) for shift in range(SHIFTS))
+        shifted = side_by_side(
+            partial(_correlation, own, there, shift, _of_all) for shift in range(SHIFTS)
+        )
         starts = np.flatnonzero(np.diff(cells[block], prepend=-1))
         best = np.maximum.reduceat(np.stack(shifted, axis=2), starts, axis=1)
         held = cells[block][starts]
         result[:, held] = np.maximum(result[:, held], best)
     return result
+
+
+def patch_similarity_in_pairs(full: ReliefPatches, part: ReliefPatches) -> Singles:
+    """Best similarity (p,) in any rotation of each patch with the one in its row of the other.
+
+    As :func:`patch_similarity`, but of p pairs only; at least 0.
+    """
+    own, found = _Moments.of(part), np.zeros(len(part), dtype=np.float32)
+    for alike in side_by_side(
+        partial(_correlation, own, full, shift, _of_rows) for shift in range(SHIFTS)
+    ):
+        found = np.maximum(found, alike)
+    return found
 
 
 @dataclass(frozen=True, eq=False)
@@ -184,20 +207,38 @@ class _Moments:
         )
 
 
-def _correlation(part: _Moments, patches: ReliefPatches, shift: int) -> Singles:
-    """(q, m) correlation of patches with others turned by `shift`, over what both see.
+def _of_all(part: Singles, full: Singles) -> Singles:
+    """(q, m) products of each row of (q, d) with each of (m, d)."""
+    found: Singles = part @ full.T
+    return found
 
-    All pictures are one, each less its mean over what both see.
+
+def _of_rows(part: Singles, full: Singles) -> Singles:
+    """(p,) products of rows of (p, d) with the same rows of the other."""
+    found: Singles = np.einsum("pd,pd->p", part, full)
+    return found
+
+
+def _correlation(
+    part: _Moments,
+    patches: ReliefPatches,
+    shift: int,
+    products: Callable[[Singles, Singles], Singles],
+) -> Singles:
+    """(q, m) or (p,) correlation of patches with others turned by `shift`, over what both see.
+
+    All pictures are one, each less its mean over what both see; `products` says which are compared.
     """
     full = _Moments.of(patches, shift)
-    common = part.seen @ full.seen.T
+    common = products(part.seen, full.seen)
     least = np.maximum(common, LEAST_SPREAD)
     product, own, other = (np.zeros_like(common) for _ in range(3))
     for k in range(len(part.first)):
-        own_mean, other_mean = part.first[k] @ full.seen.T, part.seen @ full.first[k].T
-        product += part.first[k] @ full.first[k].T - own_mean * other_mean / least
-        own += part.second[k] @ full.seen.T - own_mean**2 / least
-        other += part.seen @ full.second[k].T - other_mean**2 / least
+        own_mean = products(part.first[k], full.seen)
+        other_mean = products(part.seen, full.first[k])
+        product += products(part.first[k], full.first[k]) - own_mean * other_mean / least
+        own += products(part.second[k], full.seen) - own_mean**2 / least
+        other += products(part.seen, full.second[k]) - other_mean**2 / least
     spread = np.sqrt(np.maximum(own, LEAST_SPREAD) * np.maximum(other, LEAST_SPREAD))
     alike = product / spread * np.minimum(common, 1.0) ** COMMON_POWER
     found: Singles = np.where(common > LEAST_COMMON, alike, np.float32(0.0))

@@ -15,10 +15,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sherd.arrays import Bools, Floats, Ints
+from sherd.arrays import Bools, Floats, Ints, Singles
 from sherd.correspondence.placements import node_similarity
 from sherd.correspondence.question import Question
-from sherd.descriptors.relief_patches import patch_similarity
+from sherd.descriptors.relief_patches import ReliefPatches, patch_similarity_in_pairs
 from sherd.descriptors.rotation_shot import trusted_equally
 from sherd.surface.described import RADII, DescribedSurface
 from sherd.surface.transformed import mirrored
@@ -86,7 +86,8 @@ def likeness_inside(question: Question, there: Floats, own: Bools, other: Bools)
         return result
 
     similarity, image = alike(part), alike(mirrored(part))
-    here, image_here = _at_place(full, there[nodes], similarity, image)
+    near = _near(full, there[nodes])
+    here, image_here = (np.where(near, each, -1.0).max(axis=1) for each in (similarity, image))
     lack = similarity.max(axis=1) - here
     more_alike = (similarity > here[:, None]).mean(axis=1)
     weights = _areas(part)[chosen]
@@ -109,15 +110,17 @@ def handed_by_relief(question: Question, there: Floats, own: Bools) -> float | N
         return None
     nodes, labels = part.sparse.vertices[chosen], full.label_patches
     patches = part.patches_at_within(nodes, own)
-    here, image_here = _at_place(
-        full,
-        there[nodes],
-        *(
-            patch_similarity(labels.patches, each, labels.cells, len(full.dense)).max(axis=2)
-            for each in (patches, patches.mirrored())
-        ),
-    )
-    return float(np.average(here > image_here, weights=_areas(part)[chosen]))
+    # only what is near says anything here, a hundredth of all places
+    node, label = np.nonzero(_near(full, there[nodes])[:, labels.cells])
+
+    def alike(own_patches: ReliefPatches) -> Singles:
+        found = np.zeros(len(nodes), dtype=np.float32)
+        pairs = patch_similarity_in_pairs(labels.patches[label], own_patches[node])
+        np.maximum.at(found, node, pairs)
+        return found
+
+    handed = alike(patches) > alike(patches.mirrored())
+    return float(np.average(handed, weights=_areas(part)[chosen]))
 
 
 def _chosen(part: DescribedSurface, own: Bools) -> Ints:
@@ -132,11 +135,11 @@ def _areas(part: DescribedSurface) -> Floats:
     return counts.astype(np.float64, copy=False)
 
 
-def _at_place(full: DescribedSurface, there: Floats, *similarities: Floats) -> list[Floats]:
-    """Of similarities (q, s) with labels those (q,) at places (q, 3), give or take SAME_PLACE."""
+def _near(full: DescribedSurface, there: Floats) -> Bools:
+    """(q, s) which labels lie at places (q, 3), give or take SAME_PLACE."""
     place = full.dense.cells[full.vertex_tree.query(there)[1]]
-    near = full.dense.between[place] < SAME_PLACE
-    return [np.where(near, each, -1.0).max(axis=1) for each in similarities]
+    near: Bools = full.dense.between[place] < SAME_PLACE
+    return near
 
 
 def mean_likeness(one: Likeness | None, other: Likeness | None) -> Likeness | None:
