@@ -19,12 +19,12 @@ from sherd.output import Stages
 from sherd.overlap import check_overlap_sizes
 from sherd.puzzle.growing.across import laid_across
 from sherd.puzzle.growing.answer import Meeting
-from sherd.puzzle.growing.body import Body
+from sherd.puzzle.growing.body import Body, Told
 from sherd.puzzle.growing.growth import grown
 from sherd.puzzle.growing.joined_maps import direct_maps
 from sherd.puzzle.growing.meeting import Describe, meeting
 from sherd.puzzle.growing.record import Growth
-from sherd.puzzle.growing.union import Union
+from sherd.puzzle.growing.union import Join, Union
 from sherd.puzzle.pairs import pair_evidence
 from sherd.puzzle.synchronization import PieceMap, cycle_error, synchronized
 from sherd.results.keywords import options_of
@@ -116,10 +116,11 @@ def join(
         # one body asks all that are left at last
         body = lru_cache(maxsize=1)(partial(Body, seed=options.seed))
         asking = _Asking(options.seed, describe, body, stages)
-        growth = grown(alone, evidence, asking, asking.across)
+        growth = grown(alone, evidence, asking, asking.laid, asking.across)
     originals = [intake.original for intake in intakes]
     with stages("synchronization"):
-        direct = direct_maps(originals, growth.joins)
+        # of members that told their unions the own answer says more than that of the unions
+        direct = direct_maps(originals, [*growth.joins, *_told(growth)])
         maps = synchronized(originals, direct, unit)
         errors = (
             cycle_error(originals, direct, unit),
@@ -171,6 +172,10 @@ class _Asking:
         self.stages.show(f"growth: {_named(first)} and {_named(second)}")
         return meeting(first.mesh, second.mesh, self.seed, known, taken, self.describe)
 
+    def laid(self, first: Union, second: Union, told: Told) -> Meeting:
+        """Both where that is told."""
+        return self.body(first.mesh).met(second.mesh, told)
+
     def across(self, first: Union, second: Union) -> Meeting | None:
         """Where the second lies across from its twin; see :func:`laid_across`."""
         self.stages.show(f"growth: {_named(first)} and the mirror image of {_named(second)}")
@@ -185,11 +190,17 @@ def _named(union: Union) -> str:
 def _chances(growth: Growth) -> dict[tuple[int, int], float]:
     """Of each two pieces that were on different sides of a question the highest chance."""
     found: dict[tuple[int, int], float] = {}
-    for (first, second), chance in growth.chances.items():
+    for (first, second), chance in [*growth.chances.items(), *growth.of_members.items()]:
         for one, other in product(first, second):
             pair = (min(one, other), max(one, other))
             found[pair] = max(chance, found.get(pair, 0.0))
     return found
+
+
+def _told(growth: Growth) -> list[Join]:
+    """What members said that were asked in their own poses, and that was joined."""
+    made = {(join.first.members, join.second.members) for join in growth.joins}
+    return [before for key, before in growth.told.items() if key in made]
 
 
 def _shared(found: PieceMap) -> SharedMap:

@@ -19,7 +19,7 @@ from sherd.puzzle.growing.meeting import NOTHING_KNOWN
 from sherd.puzzle.growing.record import CROWD, Growth, chance_of, laid_there, odds_of
 from sherd.puzzle.growing.union import Join, Union
 
-__all__ = ["LIKELY", "Meet", "asked", "unless_strangers"]
+__all__ = ["LIKELY", "Meet", "against", "asked", "unless_strangers"]
 
 # More likely right than not.
 LIKELY = 0.5
@@ -112,12 +112,12 @@ def _uncontradicted(
         again = Join(join.first, join.second, meet(join.first, join.second, known, taken))
         if left_out(before, again) <= CROWD:
             if odds_of(again) > odds_of(join):
-                return _against(again, join)
+                return against(again, join)
             before = max(before, again, key=chance_of)
-    return _against(join, before)
+    return against(join, before)
 
 
-def _against(join: Join, rival: Join) -> Join:
+def against(join: Join, rival: Join) -> Join:
     """An answer that another one contradicts: of both places one is right, or none."""
     odds = odds_of(join) / (1.0 + odds_of(rival))
     return replace(join, met=replace(join.met, chance=odds / (1.0 + odds)))

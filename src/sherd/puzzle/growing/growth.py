@@ -19,6 +19,7 @@ from sherd.puzzle.growing.common_places import crowding, laid_alike, taken_by
 from sherd.puzzle.growing.completion import Across, completed
 from sherd.puzzle.growing.joined_maps import open_loop
 from sherd.puzzle.growing.meeting import NOTHING_KNOWN
+from sherd.puzzle.growing.members import Lay, asked_of_members
 from sherd.puzzle.growing.record import CROWD, UNASKED, Growth, chance_of, odds_of
 from sherd.puzzle.growing.union import Join, Union, united
 
@@ -44,7 +45,9 @@ OVERLAPPING = 0.06
 LOOP = 0.06
 
 
-def grown(pieces: Sequence[Union], evidence: Floats, meet: Meet, across: Across) -> Growth:
+def grown(
+    pieces: Sequence[Union], evidence: Floats, meet: Meet, lay: Lay, across: Across
+) -> Growth:
     """Join what belongs together.
 
     Parameters
@@ -55,10 +58,12 @@ def grown(pieces: Sequence[Union], evidence: Floats, meet: Meet, across: Across)
         (k, k) symmetric, how much speaks for asking two pieces.
     meet
         Asks two unions, the larger one first; what is given besides is known of them.
+    lay
+        Lays two unions on each other where that is told.
     across
         Asks two unions whether the larger one has the twin of the other, when all else is done.
     """
-    growth = Growth(max(pieces, key=lambda piece: piece.mesh.area))
+    growth = Growth(pieces, max(pieces, key=lambda piece: piece.mesh.area))
     growing = list(pieces)
     done: list[Union] = []
     while growing:
@@ -66,6 +71,8 @@ def grown(pieces: Sequence[Union], evidence: Floats, meet: Meet, across: Across)
         growing.remove(here)
         others = [*growing, *done]
         partner = _surest(here, others, evidence, meet, growth)
+        if partner is None:
+            partner = _by_members(here, others, evidence, meet, lay, growth)
         if partner is None:
             done.append(here)
             continue
@@ -85,13 +92,9 @@ def _surest(
     What earlier answers promise most is asked first, and an answer stands if it is sure enough or
     none that is still to be asked again promised more. Who was never asked comes before all.
     """
-    rank = {
-        other.members: max(float(evidence[i, j]) for i in here.members for j in other.members)
-        for other in others
-    }
-    partners = sorted(others, key=lambda other: -rank[other.members])[:PARTNERS]
     best: Join | None = None
     sure: list[Join] = []
+    partners = _ranked(here, others, evidence)
     waiting = sorted(partners, key=lambda other: -growth.promise(here, other))
     for other in waiting:
         promise = growth.promise(here, other)
@@ -116,6 +119,30 @@ def _surest(
     if best is not None or not sure:
         return best
     return _elsewhere(sure, others, meet, growth)
+
+
+def _by_members(
+    here: Union, others: Sequence[Union], evidence: Floats, meet: Meet, lay: Lay, growth: Growth
+) -> Join | None:
+    """The surest of those that members of `here` surely share something with in their own poses."""
+    sure: list[Join] = []
+    for other in _ranked(here, others, evidence):
+        first, second = sorted((here, other), key=lambda union: -union.mesh.area)
+        join = asked_of_members(first, second, evidence, meet, lay, growth)
+        if join is not None:
+            growth.chances[first.members, second.members] = join.met.chance
+            growth.sure.append(join)
+            sure.append(join)
+    return _best_undisputed(sure, others, growth)
+
+
+def _ranked(here: Union, others: Sequence[Union], evidence: Floats) -> list[Union]:
+    """Those of which cheap evidence says most, as far as they are asked."""
+
+    def rank(other: Union) -> float:
+        return max(float(evidence[i, j]) for i in here.members for j in other.members)
+
+    return sorted(others, key=rank, reverse=True)[:PARTNERS]
 
 
 def _best_undisputed(sure: Sequence[Join], others: Sequence[Union], growth: Growth) -> Join | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from sherd.arrays import Bools
@@ -23,6 +24,8 @@ class Growth:
 
     Attributes
     ----------
+    pieces
+        All of them, as they are.
     largest
         The largest piece, from which the first group grows.
     joins
@@ -41,6 +44,12 @@ class Growth:
         The members of each union at the end.
     chances
         By the members of both, the larger one first, of what was asked.
+    of_members
+        The same of members that were asked as they are when their unions found nothing.
+    sure_of_members
+        What was sure of these.
+    told
+        By the members of two unions, what of this told them where they lie on each other.
     aside
         What was asked of two because a third one has both, and of nobody else yet.
     together
@@ -49,6 +58,7 @@ class Growth:
         What has a disputed place, and the members of who does not lie there.
     """
 
+    pieces: Sequence[Union]
     largest: Union
     joins: list[Join] = field(default_factory=list)
     last: list[Join] = field(default_factory=list)
@@ -58,6 +68,11 @@ class Growth:
     by_skin: list[Join] = field(default_factory=list)
     groups: list[tuple[int, ...]] = field(default_factory=list)
     chances: dict[tuple[tuple[int, ...], tuple[int, ...]], float] = field(default_factory=dict)
+    of_members: dict[tuple[tuple[int, ...], tuple[int, ...]], float] = field(default_factory=dict)
+    sure_of_members: dict[tuple[tuple[int, ...], tuple[int, ...]], Join] = field(
+        default_factory=dict
+    )
+    told: dict[tuple[tuple[int, ...], tuple[int, ...]], Join] = field(default_factory=dict)
     aside: dict[tuple[tuple[int, ...], tuple[int, ...]], Join] = field(default_factory=dict)
     together: list[set[tuple[int, ...]]] = field(default_factory=list)
     settled: list[tuple[Join, tuple[int, ...]]] = field(default_factory=list)

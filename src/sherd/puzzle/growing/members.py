@@ -1,0 +1,175 @@
+"""What members of two unions say to each other in their own poses, where the unions say nothing.
+
+A union has the pose of its first piece. Where that bends a joint as a third piece does not, the
+third one finds nothing there, though another member shares that joint as well and bends it much as
+the third one does: hind legs of a horse that gallops, of which the front half is the largest piece.
+So where unions find nothing their members are asked, each as it is. What one of them surely shares
+is carried to where its union has it, and laid there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from itertools import product
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from sherd.arrays import Bools, Floats, Ints
+from sherd.correspondence.confidence import LEAST
+from sherd.correspondence.shared.two_way_placement import CLOSED
+from sherd.mesh.surface_points import closest_points
+from sherd.mesh.triangle_mesh import TriangleMesh
+from sherd.puzzle.growing.answer import JOINED, Meeting
+from sherd.puzzle.growing.asking import Meet, against, asked, unless_strangers
+from sherd.puzzle.growing.body import Told
+from sherd.puzzle.growing.common_places import left_out
+from sherd.puzzle.growing.join_chance import ends_with_one
+from sherd.puzzle.growing.record import CROWD, Growth, laid_there
+from sherd.puzzle.growing.union import LAYER, Join, Union, origins
+
+__all__ = ["Lay", "asked_of_members", "told_by"]
+
+# Of two unions so many pairs of members are asked, those that cheap evidence ranks first: the right
+# one was among the first three of four such puzzles' seven.
+MEMBERS = 3
+
+# The larger union, the other one, and where the other's vertices lie on it.
+Lay = Callable[[Union, Union, Told], Meeting]
+
+
+def asked_of_members(
+    first: Union, second: Union, evidence: Floats, meet: Meet, lay: Lay, growth: Growth
+) -> Join | None:
+    """The larger union and the other one, laid as a member of each surely lies on one of the other.
+
+    As likely as these two are to share what they share, that what the unions share so ends where
+    one of them does, and that nothing likely contradicts it. None if nothing is sure, or the unions
+    cannot be laid so.
+    """
+    ranked = sorted(product(first.members, second.members), key=lambda pair: -evidence[pair])
+    for pair in ranked[:MEMBERS]:
+        one, other = sorted(
+            (growth.pieces[member] for member in pair), key=lambda piece: -piece.mesh.area
+        )
+        before = _answer(one, other, meet, growth)
+        if before is None:
+            continue
+        join = _laid(before, first, second, lay, growth)
+        if join is not None and join.met.chance >= JOINED:
+            growth.told[first.members, second.members] = before
+            return join
+    return None
+
+
+def _answer(one: Union, other: Union, meet: Meet, growth: Growth) -> Join | None:
+    """What two pieces surely share, if they were not asked while they were alone."""
+    key = (one.members, other.members)
+    if key in growth.chances:
+        return None
+    if key not in growth.of_members:
+        found = unless_strangers(asked(one, other, meet, growth), growth)
+        growth.of_members[key] = found.met.chance
+        if found.met.chance >= JOINED:
+            growth.sure_of_members[key] = found
+    return growth.sure_of_members.get(key)
+
+
+def _laid(before: Join, first: Union, second: Union, lay: Lay, growth: Growth) -> Join | None:
+    """Both unions laid on each other as members were; None if these do not lie there then."""
+    told = told_by(before, first, second, growth.joins)
+    if not told.known.any():
+        return None
+    met = lay(first, second, told)
+    if not all(place.shared.any() for place in met.placements):
+        return None
+    chance = before.met.chance * ends_with_one(met.questions, met.placements)
+    join = Join(first, second, replace(met, chance=max(chance, LEAST)))
+    if left_out(before, join) > CROWD:
+        return None
+    if any(laid_there(join, place, loser) for place, loser in growth.settled):
+        return None
+    for each in growth.likely_before(first, second):
+        if each is not before and left_out(each, join) > CROWD:
+            return against(join, each)
+    return join
+
+
+def told_by(before: Join, first: Union, second: Union, joins: Sequence[Join]) -> Told:
+    """Where a union lies on another one, as a member of each lies on the other's.
+
+    Parameters
+    ----------
+    before
+        Of two pieces.
+    first, second
+        Unions that have them, one each.
+    joins
+        What the unions were made by, in that order.
+    """
+    side = 0 if before.second.members[0] in second.members else 1
+    part, full = (before.second, before.first) if side == 0 else (before.first, before.second)
+    question, place = before.met.questions[side], before.met.placements[side]
+    meets = place.shared & (place.trip.gap <= CLOSED)
+    _, there = origins(full, question.full)
+    corners = question.full.mesh.faces[place.trip.points.faces]
+    feet = np.einsum("pk,pkx->px", place.trip.points.barycentric, there[corners])
+    positions, found = carried(feet, full.members[0], first, joins)
+    _, own = origins(part, question.part)
+    chart = TriangleMesh(own, question.part.mesh.faces)
+    rows = np.flatnonzero(second.owner == part.members[0])
+    at = closest_points(chart, second.places[rows])
+    off = np.linalg.norm(at.positions(chart) - second.places[rows], axis=1)
+    known = (off < LAYER * chart.mean_edge_length) & (meets & found)[chart.faces[at.faces]].all(1)
+    told = np.array(second.mesh.vertices)
+    told[rows] = at.interpolate(chart, positions)
+    everywhere = np.zeros(len(told), dtype=bool)
+    everywhere[rows[known]] = True
+    return Told(told, everywhere)
+
+
+def carried(
+    places: Floats, piece: int, union: Union, joins: Sequence[Join]
+) -> tuple[Floats, Bools]:
+    """Positions (q, 3) on a union of places (q, 3) on one of its members, and which it has.
+
+    Where the member gave way to another one when it was joined, its places are those of the other.
+    """
+    owners, at = np.full(len(places), piece), np.array(places)
+    for join in joins:
+        if set(join.first.members) | set(join.second.members) <= set(union.members):
+            _give_way(join, owners, at)
+    found = np.zeros(len(places), dtype=bool)
+    positions = np.zeros_like(at)
+    for owner in np.unique(owners):
+        own, rows = np.flatnonzero(union.owner == owner), np.flatnonzero(owners == owner)
+        near, vertices = _nearest(union.places[own], at[rows], union.mesh)
+        positions[rows[near]] = union.mesh.vertices[own[vertices]]
+        found[rows[near]] = True
+    return positions, found
+
+
+def _give_way(join: Join, owners: Ints, at: Floats) -> None:
+    """Name places on the second of a join, where it lies on the first, as the first does."""
+    question, place = join.met.questions[0], join.met.placements[0]
+    own, there = origins(join.second, question.part)
+    others, further = origins(join.first, question.full)
+    feet = place.trip.points.nearest_vertices(question.full.mesh)
+    for owner in np.intersect1d(np.unique(owners), own):
+        surface, rows = np.flatnonzero(own == owner), np.flatnonzero(owners == owner)
+        near, vertices = _nearest(there[surface], at[rows], join.second.mesh)
+        shared = place.shared[surface[vertices]]
+        lying = feet[surface[vertices[shared]]]
+        gone = rows[near][shared]
+        owners[gone], at[gone] = others[lying], further[lying]
+
+
+def _nearest(known: Floats, asked_for: Floats, mesh: TriangleMesh) -> tuple[Bools, Ints]:
+    """Which places (q, 3) have a known one (k, 3) near, and of these the nearest."""
+    if not len(known):
+        return np.zeros(len(asked_for), dtype=bool), np.empty(0, dtype=np.int64)
+    reach = LAYER * mesh.mean_edge_length
+    away, nearest = cKDTree(known).query(asked_for, distance_upper_bound=reach)
+    near: Bools = np.isfinite(away)
+    return near, np.asarray(nearest, dtype=np.int64)[near]

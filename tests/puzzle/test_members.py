@@ -1,0 +1,166 @@
+"""Members asked in their own poses: what they surely share is carried to their unions."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.spatial import cKDTree
+
+from sherd.arrays import Bools, Floats, Ints
+from sherd.puzzle.growing import members
+from sherd.puzzle.growing.body import Body, Told
+from sherd.puzzle.growing.members import asked_of_members, carried, told_by
+from sherd.puzzle.growing.record import Growth
+from sherd.puzzle.growing.union import Join, Union, united
+from sherd.shapes import creature, cut_by_ball, landmarks, whole
+from sherd.shapes.fragment import Fragment
+
+# What is laid from the truth lies within the edges of the coarser of two meshings.
+NEAR = 0.03
+
+
+@pytest.fixture(scope="module")
+def cut() -> tuple[Fragment, ...]:
+    """The front standing, the rear walking, and a hind leg of which only the rear has all."""
+    full, walking = creature(5000), creature(5000, pose="walk")
+    marks = landmarks(full)
+    return (
+        cut_by_ball(whole(full, full), marks["nose"], 0.85),
+        cut_by_ball(whole(walking, full), marks["tail_tip"], 1.05),
+        cut_by_ball(whole(walking, full), marks["left_hind_hoof"], 0.45),
+    )
+
+
+@pytest.fixture(scope="module")
+def alone(cut: tuple[Fragment, ...]) -> list[Union]:
+    return [Union.of_piece(piece.mesh, number) for number, piece in enumerate(cut)]
+
+
+def laid_truly(cut: tuple[Fragment, ...], alone: list[Union], first: int, second: int) -> Join:
+    """Two pieces laid on each other from the truth, as likely as can be."""
+    there, here = (cut[k].truth.positions(cut[k].full) for k in (first, second))
+    away, nearest = cKDTree(there).query(here)
+    told = Told(cut[first].mesh.vertices[nearest], away < NEAR * cut[0].full.length)
+    met = Body(cut[first].mesh, 0).met(cut[second].mesh, told)
+    return Join(alone[first], alone[second], replace(met, chance=0.99))
+
+
+@pytest.fixture(scope="module")
+def halves(cut: tuple[Fragment, ...], alone: list[Union]) -> Join:
+    return laid_truly(cut, alone, 0, 1)
+
+
+@pytest.fixture(scope="module")
+def leg(cut: tuple[Fragment, ...], alone: list[Union]) -> Join:
+    return laid_truly(cut, alone, 1, 2)
+
+
+def on_full(cut: tuple[Fragment, ...], union: Union, at: Floats) -> Floats:
+    """Where the vertices of a union nearest to positions truly lie on the whole."""
+    rows = cKDTree(union.mesh.vertices).query(at)[1]
+    places = np.empty((len(rows), 3))
+    for number, piece in enumerate(cut):
+        own = np.flatnonzero(union.owner[rows] == number)
+        nearest = cKDTree(piece.mesh.vertices).query(union.places[rows[own]])[1]
+        places[own] = piece.truth.positions(piece.full)[nearest]
+    return places
+
+
+def test_places_are_carried_also_where_a_piece_gave_way(cut, alone, halves) -> None:
+    union = united(halves)
+    rear = cut[1]
+    positions, found = carried(rear.mesh.vertices, 1, union, [halves])
+    assert found.mean() > 0.95
+    gone = ~np.isin(np.arange(len(found)), _kept(union, rear))
+    assert (found & gone).sum() > 50  # the belt that both have is the front's now
+    off = on_full(cut, union, positions) - rear.truth.positions(rear.full)
+    away = np.linalg.norm(off, axis=1)[found] / rear.full.length
+    assert away.mean() < 0.01
+    assert np.quantile(away, 0.99) < 2 * NEAR
+
+
+def _kept(union: Union, piece: Fragment) -> Ints:
+    """The vertices of the rear that the union has as its own."""
+    places = union.places[union.owner == 1]
+    away, nearest = cKDTree(piece.mesh.vertices).query(places)
+    return np.unique(nearest[away < 1e-9])
+
+
+def test_a_union_is_told_what_its_member_knows(cut, alone, halves, leg) -> None:
+    union = united(halves)
+    told = told_by(leg, union, alone[2], [halves])
+    assert told.known.mean() > 0.8
+    off = on_full(cut, union, told.positions[told.known])
+    off -= cut[2].truth.positions(cut[2].full)[told.known]
+    assert np.linalg.norm(off, axis=1).mean() / cut[2].full.length < 0.015
+
+
+def test_where_a_member_is_sure_the_union_is_joined_there(cut, alone, halves, leg) -> None:
+    union, asked = united(halves), []
+    growth = Growth(alone, alone[0], joins=[halves])
+
+    def meet(first: Union, second: Union, known: Ints, taken: Bools | None) -> Any:
+        asked.append((first.members, second.members))
+        return leg.met if first is alone[1] else replace(leg.met, chance=0.1)
+
+    def lay(first: Union, second: Union, told: Told) -> Any:
+        return Body(first.mesh, 0).met(second.mesh, told)
+
+    join = asked_of_members(union, alone[2], np.ones((3, 3)), meet, lay, growth)
+    assert join is not None
+    assert join.met.chance > 0.9
+    assert (join.first, join.second) == (union, alone[2])
+    shared = join.met.placements[0].shared
+    assert shared.mean() > 0.8
+    assert growth.of_members == {((0,), (2,)): 0.1, ((1,), (2,)): 0.99}
+    assert [each.met for each in growth.told.values()] == [leg.met]
+    # members are not asked twice, what they said is kept
+    asked.clear()
+    assert asked_of_members(union, alone[2], np.ones((3, 3)), meet, lay, growth) is not None
+    assert not asked
+
+
+def test_what_evidence_ranks_last_is_not_asked(alone, monkeypatch) -> None:
+    count = members.MEMBERS + 2
+    pieces = [Union.of_piece(alone[0].mesh, number) for number in range(count + 1)]
+    union = replace(pieces[0], members=tuple(range(count)))
+    evidence = np.add.outer(np.arange(count + 1.0), np.arange(count + 1.0))
+    growth = Growth(pieces, pieces[0])
+    asked = []
+
+    def meet(first: Union, second: Union, known: Ints, taken: Bools | None) -> Any:
+        asked.append(first.members[0])
+        return SimpleNamespace(chance=0.1, twin=False, by_skin=0.0)
+
+    monkeypatch.setattr(members, "unless_strangers", lambda join, growth: join)
+    assert asked_of_members(union, pieces[-1], evidence, meet, no_lay, growth) is None
+    assert asked == [count - 1, count - 2, count - 3]
+
+
+def test_a_union_that_does_not_lie_there_is_not_joined(alone, leg, monkeypatch) -> None:
+    union = replace(alone[1], members=(1, 0))
+    growth = Growth(alone, alone[0])
+
+    def meet(first: Union, second: Union, known: Ints, taken: Bools | None) -> Any:
+        return leg.met if first is alone[1] else replace(leg.met, chance=0.1)
+
+    def lay(first: Union, second: Union, told: Told) -> Any:
+        return leg.met
+
+    def found() -> Join | None:
+        return asked_of_members(union, alone[2], np.ones((3, 3)), meet, lay, growth)
+
+    assert found() is not None
+    monkeypatch.setattr(members, "left_out", lambda before, join: 0.6)
+    assert found() is None
+    monkeypatch.setattr(members, "left_out", lambda before, join: 0.0)
+    monkeypatch.setattr(members, "ends_with_one", lambda questions, placements: 0.5)
+    assert found() is None
+
+
+def no_lay(first: Union, second: Union, told: Told) -> Any:
+    raise AssertionError("nobody was sure")
