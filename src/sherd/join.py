@@ -18,14 +18,14 @@ from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.output import Stages
 from sherd.overlap import check_overlap_sizes
 from sherd.puzzle.growing.across import laid_across
-from sherd.puzzle.growing.answer import Meeting
-from sherd.puzzle.growing.body import Body, Told
 from sherd.puzzle.growing.growth import grown
 from sherd.puzzle.growing.joined_maps import direct_maps
-from sherd.puzzle.growing.meeting import Describe, meeting
 from sherd.puzzle.growing.record import Growth
 from sherd.puzzle.growing.union import Join, Union
 from sherd.puzzle.pairs import pair_evidence
+from sherd.puzzle.pairwise.answer import Meeting
+from sherd.puzzle.pairwise.body import Body, Told
+from sherd.puzzle.pairwise.meeting import Describe, meeting
 from sherd.puzzle.synchronization import PieceMap, cycle_error, synchronized
 from sherd.results.keywords import options_of
 from sherd.results.overlap_result import SharedMap

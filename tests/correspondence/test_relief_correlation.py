@@ -13,7 +13,7 @@ from sherd.correspondence.shared.relief_correlation import alike_in_form, alike_
 from sherd.descriptors.relief import form, relief
 from sherd.mesh.surface_points import SurfacePoints, closest_points, points_at_vertices
 from sherd.mesh.triangle_mesh import TriangleMesh
-from sherd.puzzle.growing.join_chance import UNLIKE
+from sherd.puzzle.pairwise.join_chance import UNLIKE
 from sherd.shapes import creature
 
 

@@ -14,8 +14,8 @@ from sherd.errors import InfeasibleError
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.puzzle.growing import across as module
 from sherd.puzzle.growing.across import MOST_ACROSS, laid_across, on_its_twin
-from sherd.puzzle.growing.answer import JOINED
-from sherd.puzzle.growing.body import Body
+from sherd.puzzle.pairwise.answer import JOINED
+from sherd.puzzle.pairwise.body import Body
 from sherd.shapes import Fragment, creature, cut_by_ball, landmarks, whole
 from sherd.shapes.fragment import cut_by_level
 from sherd.spectral.geodesics import Geodesics

@@ -12,9 +12,9 @@ import pytest
 from sherd.arrays import Bools, Ints
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.puzzle.growing import asking, completion, growth, record
-from sherd.puzzle.growing.body import Told
 from sherd.puzzle.growing.growth import grown
 from sherd.puzzle.growing.union import Join, Union
+from sherd.puzzle.pairwise.body import Told
 
 SQUARE = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
 FACES = [[0, 1, 2], [0, 2, 3]]

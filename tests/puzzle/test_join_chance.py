@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from sherd.correspondence.shared.judgment import MIRROR_CHANCE
-from sherd.puzzle.growing.join_chance import fits_a_twin, join_chance
+from sherd.puzzle.pairwise.join_chance import fits_a_twin, join_chance
 from sherd.results.advice import SURE
 
 # One, agreement, worth, rim inside, handedness, strain, leading, relief.

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 
 from sherd.mesh.triangle_mesh import TriangleMesh
-from sherd.puzzle.growing import meeting as module
-from sherd.puzzle.growing.answer import Meeting
-from sherd.puzzle.growing.meeting import meeting
-from sherd.puzzle.growing.skin_chance import SlidChance
+from sherd.puzzle.pairwise import meeting as module
+from sherd.puzzle.pairwise.answer import Meeting
+from sherd.puzzle.pairwise.meeting import meeting
+from sherd.puzzle.pairwise.skin_chance import SlidChance
 from sherd.results.advice import SURE
 from sherd.shapes import creature, cut_by_ball, landmarks, whole
 from sherd.surface.prepared import described_part

@@ -12,10 +12,10 @@ from scipy.spatial import cKDTree
 
 from sherd.arrays import Bools, Floats, Ints
 from sherd.puzzle.growing import members
-from sherd.puzzle.growing.body import Body, Told
 from sherd.puzzle.growing.members import asked_of_members, carried, told_by
 from sherd.puzzle.growing.record import Growth
 from sherd.puzzle.growing.union import Join, Union, united
+from sherd.puzzle.pairwise.body import Body, Told
 from sherd.shapes import creature, cut_by_ball, landmarks, whole
 from sherd.shapes.fragment import Fragment
 

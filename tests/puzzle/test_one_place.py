@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sherd.puzzle.growing import answer as module
-from sherd.puzzle.growing.answer import Meeting, one_place
+from sherd.puzzle.pairwise import answer as module
+from sherd.puzzle.pairwise.answer import Meeting, one_place
 
 
 def answers(monkeypatch: pytest.MonkeyPatch, *given: tuple[float, int]) -> list[Meeting]:

@@ -19,11 +19,11 @@ from sherd.correspondence.shared.round_trip import round_trip
 from sherd.correspondence.shared.two_way_placement import SharedPlacement
 from sherd.mesh.surface_points import closest_points
 from sherd.overlap import questions_of
-from sherd.puzzle.growing import skin_chance
-from sherd.puzzle.growing.answer import JOINED
-from sherd.puzzle.growing.join_chance import UNLIKE, ends_with_one, may_be_right
-from sherd.puzzle.growing.skin_chance import SlidChance, chance_as_it_lies, chance_where_it_slid
-from sherd.puzzle.growing.sliding import slid
+from sherd.puzzle.pairwise import skin_chance
+from sherd.puzzle.pairwise.answer import JOINED
+from sherd.puzzle.pairwise.join_chance import UNLIKE, ends_with_one, may_be_right
+from sherd.puzzle.pairwise.skin_chance import SlidChance, chance_as_it_lies, chance_where_it_slid
+from sherd.puzzle.pairwise.sliding import slid
 from sherd.results.advice import SURE
 from sherd.results.overlap_options import OverlapOptions
 from sherd.shapes import creature

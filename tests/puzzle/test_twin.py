@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sherd.puzzle.growing import twin as module
-from sherd.puzzle.growing.answer import Meeting
-from sherd.puzzle.growing.twin import apart_by_distances, beside_their_twins
+from sherd.puzzle.pairwise import twin as module
+from sherd.puzzle.pairwise.answer import Meeting
+from sherd.puzzle.pairwise.twin import apart_by_distances, beside_their_twins
 from sherd.results.advice import SURE
 
 # Of ten vertices of one area each the first four are where a limb is missing, the last four are its

@@ -9,11 +9,11 @@ import pytest
 
 from sherd.mesh.border_loops import border_loops
 from sherd.mesh.topology import component_labels
-from sherd.puzzle.growing.answer import Meeting
 from sherd.puzzle.growing.common_places import laid_alike, left_out, recalled
 from sherd.puzzle.growing.joined_maps import direct_maps
-from sherd.puzzle.growing.meeting import meeting
 from sherd.puzzle.growing.union import Join, Union, united
+from sherd.puzzle.pairwise.answer import Meeting
+from sherd.puzzle.pairwise.meeting import meeting
 from sherd.results.advice import SURE
 from sherd.shapes import creature, cut_by_ball, landmarks, moved, whole
 from sherd.shapes.fragment import Fragment

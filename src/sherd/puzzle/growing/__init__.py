@@ -1,1 +1,1 @@
-"""Pieces without a whole: groups that grow, and what is known of two surfaces that meet."""
+"""Pieces without a whole: groups that grow from what two surfaces share."""

@@ -24,13 +24,13 @@ from sherd.mesh.topology import renumbered
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.output import Stages
 from sherd.place import labeled_again, laid_part, placed_part
-from sherd.puzzle.growing.answer import Meeting
 from sherd.puzzle.growing.asking import LIKELY
-from sherd.puzzle.growing.body import Body, Told
-from sherd.puzzle.growing.join_chance import ends_with_one, lies_within
-from sherd.puzzle.growing.meeting import free_vertices
-from sherd.puzzle.growing.skin_chance import least_alike
-from sherd.puzzle.growing.sliding import alike_in_reliefs, slid
+from sherd.puzzle.pairwise.answer import Meeting
+from sherd.puzzle.pairwise.body import Body, Told
+from sherd.puzzle.pairwise.join_chance import ends_with_one, lies_within
+from sherd.puzzle.pairwise.meeting import free_vertices
+from sherd.puzzle.pairwise.skin_chance import least_alike
+from sherd.puzzle.pairwise.sliding import alike_in_reliefs, slid
 from sherd.results.match_options import MatchOptions
 from sherd.results.match_result import MatchResult
 from sherd.results.overlap_options import OverlapOptions

@@ -13,11 +13,11 @@ from dataclasses import replace
 from sherd.arrays import Bools, Ints
 from sherd.correspondence.confidence import LEAST
 from sherd.correspondence.shared.judgment import shared_area
-from sherd.puzzle.growing.answer import JOINED, Meeting
 from sherd.puzzle.growing.common_places import left_out, recalled, taken_by
-from sherd.puzzle.growing.meeting import NOTHING_KNOWN
 from sherd.puzzle.growing.record import CROWD, Growth, chance_of, laid_there, odds_of
 from sherd.puzzle.growing.union import Join, Union
+from sherd.puzzle.pairwise.answer import JOINED, Meeting
+from sherd.puzzle.pairwise.meeting import NOTHING_KNOWN
 
 __all__ = ["LIKELY", "Meet", "against", "asked", "unless_strangers"]
 

@@ -11,12 +11,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import combinations
 
-from sherd.puzzle.growing.answer import Meeting
 from sherd.puzzle.growing.asking import LIKELY, Meet
 from sherd.puzzle.growing.common_places import crowding, left_out, recalled
-from sherd.puzzle.growing.join_chance import lies_within
 from sherd.puzzle.growing.record import CROWD, Growth, chance_of
 from sherd.puzzle.growing.union import Join, Union, united
+from sherd.puzzle.pairwise.answer import Meeting
+from sherd.puzzle.pairwise.join_chance import lies_within
 
 __all__ = ["Across", "completed"]
 

@@ -13,15 +13,15 @@ from collections.abc import Sequence
 from functools import cache
 
 from sherd.arrays import Floats
-from sherd.puzzle.growing.answer import JOINED
 from sherd.puzzle.growing.asking import LIKELY, Meet, asked, unless_strangers
 from sherd.puzzle.growing.common_places import crowding, laid_alike, taken_by
 from sherd.puzzle.growing.completion import Across, completed
 from sherd.puzzle.growing.joined_maps import open_loop
-from sherd.puzzle.growing.meeting import NOTHING_KNOWN
 from sherd.puzzle.growing.members import Lay, asked_of_members
 from sherd.puzzle.growing.record import CROWD, UNASKED, Growth, chance_of, odds_of
 from sherd.puzzle.growing.union import Join, Union, united
+from sherd.puzzle.pairwise.answer import JOINED
+from sherd.puzzle.pairwise.meeting import NOTHING_KNOWN
 
 __all__ = ["grown"]
 

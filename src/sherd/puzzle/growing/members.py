@@ -21,13 +21,13 @@ from sherd.correspondence.confidence import LEAST
 from sherd.correspondence.shared.two_way_placement import CLOSED
 from sherd.mesh.surface_points import closest_points
 from sherd.mesh.triangle_mesh import TriangleMesh
-from sherd.puzzle.growing.answer import JOINED, Meeting
 from sherd.puzzle.growing.asking import Meet, against, asked, unless_strangers
-from sherd.puzzle.growing.body import Told
 from sherd.puzzle.growing.common_places import left_out
-from sherd.puzzle.growing.join_chance import ends_with_one
 from sherd.puzzle.growing.record import CROWD, Growth, laid_there
 from sherd.puzzle.growing.union import LAYER, Join, Union, origins
+from sherd.puzzle.pairwise.answer import JOINED, Meeting
+from sherd.puzzle.pairwise.body import Told
+from sherd.puzzle.pairwise.join_chance import ends_with_one
 
 __all__ = ["Lay", "asked_of_members", "told_by"]
 

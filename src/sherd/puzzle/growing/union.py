@@ -23,8 +23,8 @@ from sherd.mesh.point_cloud import PointCloud
 from sherd.mesh.surface_points import closest_points
 from sherd.mesh.topology import component_labels, renumbered
 from sherd.mesh.triangle_mesh import TriangleMesh
-from sherd.puzzle.growing.answer import Meeting
 from sherd.puzzle.growing.cracks import closed_cracks
+from sherd.puzzle.pairwise.answer import Meeting
 from sherd.scan.intake import scan_intake
 from sherd.scan.surface_from_points import surface_from_points
 from sherd.surface.described import DescribedSurface

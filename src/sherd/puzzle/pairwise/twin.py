@@ -19,8 +19,8 @@ from scipy.stats import wasserstein_distance
 from sherd.arrays import Floats, Ints
 from sherd.correspondence.confidence import LEAST, MOST
 from sherd.correspondence.shared.two_way_placement import SharedPlacement
-from sherd.puzzle.growing.answer import JOINED, Meeting
-from sherd.puzzle.growing.join_chance import ends_with_one, lies_within
+from sherd.puzzle.pairwise.answer import JOINED, Meeting
+from sherd.puzzle.pairwise.join_chance import ends_with_one, lies_within
 from sherd.surface.described import DescribedSurface
 
 __all__ = ["apart_by_distances", "beside_their_twins"]

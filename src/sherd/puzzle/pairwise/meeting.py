@@ -35,8 +35,8 @@ from sherd.overlap import (
     queries_both_ways,
     questions_of,
 )
-from sherd.puzzle.growing.answer import JOINED, Meeting, one_place
-from sherd.puzzle.growing.join_chance import (
+from sherd.puzzle.pairwise.answer import JOINED, Meeting, one_place
+from sherd.puzzle.pairwise.join_chance import (
     LIKELY,
     enough_lead,
     fits_a_twin,
@@ -45,9 +45,9 @@ from sherd.puzzle.growing.join_chance import (
     may_be_right,
     may_lie_right,
 )
-from sherd.puzzle.growing.skin_chance import SlidChance, chance_as_it_lies, chance_where_it_slid
-from sherd.puzzle.growing.sliding import slid
-from sherd.puzzle.growing.twin import beside_their_twins
+from sherd.puzzle.pairwise.skin_chance import SlidChance, chance_as_it_lies, chance_where_it_slid
+from sherd.puzzle.pairwise.sliding import slid
+from sherd.puzzle.pairwise.twin import beside_their_twins
 from sherd.results.overlap_options import OverlapOptions
 from sherd.surface.described import DescribedSurface
 from sherd.surface.prepared import described_part

@@ -10,8 +10,8 @@ from sherd.correspondence.shared.told_placement import placed_where_told
 from sherd.mesh.surface_points import closest_points
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.overlap import STRETCH, prepare_both_ways, queries_both_ways, questions_of
-from sherd.puzzle.growing.answer import Meeting
-from sherd.puzzle.growing.meeting import NOTHING_KNOWN
+from sherd.puzzle.pairwise.answer import Meeting
+from sherd.puzzle.pairwise.meeting import NOTHING_KNOWN
 from sherd.results.overlap_options import OverlapOptions
 from sherd.surface.described import DescribedSurface
 from sherd.surface.prepared import described_part

@@ -20,7 +20,7 @@ from sherd.correspondence.shared.judgment import shared_area
 from sherd.correspondence.shared.likeness import Likeness, handed_by_relief
 from sherd.correspondence.shared.relief_correlation import alike_in_form
 from sherd.correspondence.shared.two_way_placement import SharedPlacement
-from sherd.puzzle.growing.join_chance import (
+from sherd.puzzle.pairwise.join_chance import (
     LED_STEP,
     UNLIKE_STEP,
     above,
@@ -28,7 +28,7 @@ from sherd.puzzle.growing.join_chance import (
     lies_within,
     mean_strain,
 )
-from sherd.puzzle.growing.sliding import alike_in_reliefs
+from sherd.puzzle.pairwise.sliding import alike_in_reliefs
 from sherd.threads import side_by_side
 
 __all__ = ["SlidChance", "chance_as_it_lies", "chance_where_it_slid", "least_alike"]
