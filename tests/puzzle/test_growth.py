@@ -54,7 +54,8 @@ def _joined_without_geometry(monkeypatch: pytest.MonkeyPatch) -> None:
 
     for room in (growth, completion):
         monkeypatch.setattr(room, "united", stand_in)
-    monkeypatch.setattr(growth, "asked_of_members", lambda *_: None)
+    for name in ("ask_members", "told_by_members"):
+        monkeypatch.setattr(growth, name, lambda *_: None)
     monkeypatch.setattr(growth, "open_loop", lambda joins: np.inf)
     monkeypatch.setattr(growth, "laid_alike", lambda one, other: np.empty((0, 2), dtype=np.int64))
     for room in (asking, completion):
@@ -421,7 +422,7 @@ def test_where_unions_find_nothing_their_members_are_asked(monkeypatch) -> None:
         both = {first.members, second.members} == {(0, 1), (2,)}
         return Join(first, second, answer(0.8)) if both else None
 
-    monkeypatch.setattr(growth, "asked_of_members", by_members)
+    monkeypatch.setattr(growth, "told_by_members", by_members)
     found = grown(pieces(4), np.ones((4, 4)), meet, not_laid, no_twins)
     assert sorted(map(sorted, found.groups)) == [[0, 1, 2], [3]]
     assert found.chances[(0, 1), (2,)] == 0.8
@@ -435,7 +436,7 @@ def test_of_two_that_members_lay_on_one_place_as_surely_neither_has_it(monkeypat
     def by_members(first: Union, second: Union, *_: Any) -> Join | None:
         return Join(first, second, answer(0.8)) if first.members == (0, 1) else None
 
-    monkeypatch.setattr(growth, "asked_of_members", by_members)
+    monkeypatch.setattr(growth, "told_by_members", by_members)
     crowd(monkeypatch, lambda one, other: 1.0)
     found = grown(pieces(4), np.ones((4, 4)), meet, not_laid, no_twins)
     assert [join.met.chance for join in found.joins] == [0.9]

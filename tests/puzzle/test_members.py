@@ -12,7 +12,7 @@ from scipy.spatial import cKDTree
 
 from sherd.arrays import Bools, Floats, Ints
 from sherd.puzzle.growing import members
-from sherd.puzzle.growing.members import asked_of_members, carried, told_by
+from sherd.puzzle.growing.members import ask_members, carried, told_by, told_by_members
 from sherd.puzzle.growing.record import Growth
 from sherd.puzzle.growing.union import Join, Union, united
 from sherd.puzzle.pairwise.body import Body, Told
@@ -107,21 +107,23 @@ def test_where_a_member_is_sure_the_union_is_joined_there(cut, alone, halves, le
         asked.append((first.members, second.members))
         return leg.met if first is alone[1] else replace(leg.met, chance=0.1)
 
-    def lay(first: Union, second: Union, told: Told) -> Any:
-        return Body(first.mesh, 0).met(second.mesh, told)
-
-    join = asked_of_members(union, alone[2], np.ones((3, 3)), meet, lay, growth)
+    assert told_by_members(union, alone[2], laid, growth) is None
+    ask_members(union, alone[2], np.ones((3, 3)), meet, growth)
+    assert asked == [((0,), (2,)), ((1,), (2,))]
+    assert growth.of_members == {((0,), (2,)): 0.1, ((1,), (2,)): 0.99}
+    join = told_by_members(union, alone[2], laid, growth)
     assert join is not None
     assert join.met.chance > 0.9
     assert (join.first, join.second) == (union, alone[2])
-    shared = join.met.placements[0].shared
-    assert shared.mean() > 0.8
-    assert growth.of_members == {((0,), (2,)): 0.1, ((1,), (2,)): 0.99}
+    assert join.met.placements[0].shared.mean() > 0.8
     assert [each.met for each in growth.told.values()] == [leg.met]
-    # members are not asked twice, what they said is kept
-    asked.clear()
-    assert asked_of_members(union, alone[2], np.ones((3, 3)), meet, lay, growth) is not None
-    assert not asked
+    # nobody is asked twice
+    ask_members(union, alone[2], np.ones((3, 3)), meet, growth)
+    assert len(asked) == 2
+
+
+def laid(first: Union, second: Union, told: Told) -> Any:
+    return Body(first.mesh, 0).met(second.mesh, told)
 
 
 def test_what_evidence_ranks_last_is_not_asked(alone, monkeypatch) -> None:
@@ -137,22 +139,17 @@ def test_what_evidence_ranks_last_is_not_asked(alone, monkeypatch) -> None:
         return SimpleNamespace(chance=0.1, twin=False, by_skin=0.0)
 
     monkeypatch.setattr(members, "unless_strangers", lambda join, growth: join)
-    assert asked_of_members(union, pieces[-1], evidence, meet, no_lay, growth) is None
+    ask_members(union, pieces[-1], evidence, meet, growth)
     assert asked == [count - 1, count - 2, count - 3]
+    assert not growth.sure_of_members
 
 
 def test_a_union_that_does_not_lie_there_is_not_joined(alone, leg, monkeypatch) -> None:
     union = replace(alone[1], members=(1, 0))
-    growth = Growth(alone, alone[0])
-
-    def meet(first: Union, second: Union, known: Ints, taken: Bools | None) -> Any:
-        return leg.met if first is alone[1] else replace(leg.met, chance=0.1)
-
-    def lay(first: Union, second: Union, told: Told) -> Any:
-        return leg.met
+    growth = Growth(alone, alone[0], sure_of_members=[leg])
 
     def found() -> Join | None:
-        return asked_of_members(union, alone[2], np.ones((3, 3)), meet, lay, growth)
+        return told_by_members(union, alone[2], lambda *_: leg.met, growth)
 
     assert found() is not None
     monkeypatch.setattr(members, "left_out", lambda before, join: 0.6)
@@ -160,7 +157,3 @@ def test_a_union_that_does_not_lie_there_is_not_joined(alone, leg, monkeypatch) 
     monkeypatch.setattr(members, "left_out", lambda before, join: 0.0)
     monkeypatch.setattr(members, "ends_with_one", lambda questions, placements: 0.5)
     assert found() is None
-
-
-def no_lay(first: Union, second: Union, told: Told) -> Any:
-    raise AssertionError("nobody was sure")

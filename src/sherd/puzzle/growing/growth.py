@@ -17,7 +17,7 @@ from sherd.puzzle.growing.asking import LIKELY, Meet, asked, unless_strangers
 from sherd.puzzle.growing.common_places import crowding, laid_alike, taken_by
 from sherd.puzzle.growing.completion import Across, completed
 from sherd.puzzle.growing.joined_maps import open_loop
-from sherd.puzzle.growing.members import Lay, asked_of_members
+from sherd.puzzle.growing.members import Lay, ask_members, told_by_members
 from sherd.puzzle.growing.record import CROWD, UNASKED, Growth, chance_of, odds_of
 from sherd.puzzle.growing.union import Join, Union, united
 from sherd.puzzle.pairwise.answer import JOINED
@@ -70,9 +70,13 @@ def grown(
         here = max(growing, key=lambda union: union.mesh.area)
         growing.remove(here)
         others = [*growing, *done]
-        partner = _surest(here, others, evidence, meet, growth)
+        # what members said already is sure, so the union need not be asked
+        partner = _by_members(here, others, evidence, lay, growth)
         if partner is None:
-            partner = _by_members(here, others, evidence, meet, lay, growth)
+            partner = _surest(here, others, evidence, meet, growth)
+        if partner is None:
+            _ask_members(here, others, evidence, meet, growth)
+            partner = _by_members(here, others, evidence, lay, growth)
         if partner is None:
             done.append(here)
             continue
@@ -122,18 +126,26 @@ def _surest(
 
 
 def _by_members(
-    here: Union, others: Sequence[Union], evidence: Floats, meet: Meet, lay: Lay, growth: Growth
+    here: Union, others: Sequence[Union], evidence: Floats, lay: Lay, growth: Growth
 ) -> Join | None:
     """The surest of those that members of `here` surely share something with in their own poses."""
     sure: list[Join] = []
     for other in _ranked(here, others, evidence):
         first, second = sorted((here, other), key=lambda union: -union.mesh.area)
-        join = asked_of_members(first, second, evidence, meet, lay, growth)
+        join = told_by_members(first, second, lay, growth)
         if join is not None:
             growth.chances[first.members, second.members] = join.met.chance
             growth.sure.append(join)
             sure.append(join)
     return _best_undisputed(sure, others, growth)
+
+
+def _ask_members(
+    here: Union, others: Sequence[Union], evidence: Floats, meet: Meet, growth: Growth
+) -> None:
+    for other in _ranked(here, others, evidence):
+        first, second = sorted((here, other), key=lambda union: -union.mesh.area)
+        ask_members(first, second, evidence, meet, growth)
 
 
 def _ranked(here: Union, others: Sequence[Union], evidence: Floats) -> list[Union]:

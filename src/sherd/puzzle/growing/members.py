@@ -23,13 +23,13 @@ from sherd.mesh.surface_points import closest_points
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.puzzle.growing.asking import Meet, against, asked, unless_strangers
 from sherd.puzzle.growing.common_places import left_out
-from sherd.puzzle.growing.record import CROWD, Growth, laid_there
+from sherd.puzzle.growing.record import CROWD, Growth, chance_of, laid_there
 from sherd.puzzle.growing.union import LAYER, Join, Union, origins
 from sherd.puzzle.pairwise.answer import JOINED, Meeting
 from sherd.puzzle.pairwise.body import Told
 from sherd.puzzle.pairwise.join_chance import ends_with_one
 
-__all__ = ["Lay", "asked_of_members", "told_by"]
+__all__ = ["Lay", "ask_members", "carried", "told_by", "told_by_members"]
 
 # Of two unions so many pairs of members are asked, those that cheap evidence ranks first: the right
 # one was among the first three of four such puzzles' seven.
@@ -39,41 +39,38 @@ MEMBERS = 3
 Lay = Callable[[Union, Union, Told], Meeting]
 
 
-def asked_of_members(
-    first: Union, second: Union, evidence: Floats, meet: Meet, lay: Lay, growth: Growth
-) -> Join | None:
+def ask_members(first: Union, second: Union, evidence: Floats, meet: Meet, growth: Growth) -> None:
+    """Ask members of two unions that were not asked yet; what is sure is kept in mind."""
+    ranked = sorted(product(first.members, second.members), key=lambda pair: -evidence[pair])
+    for pair in ranked[:MEMBERS]:
+        one, other = sorted(
+            (growth.pieces[member] for member in pair), key=lambda piece: -piece.mesh.area
+        )
+        key = (one.members, other.members)
+        if key in growth.chances or key in growth.of_members:
+            continue
+        found = unless_strangers(asked(one, other, meet, growth), growth)
+        growth.of_members[key] = found.met.chance
+        if found.met.chance >= JOINED:
+            growth.sure_of_members.append(found)
+
+
+def told_by_members(first: Union, second: Union, lay: Lay, growth: Growth) -> Join | None:
     """The larger union and the other one, laid as a member of each surely lies on one of the other.
 
     As likely as these two are to share what they share, that what the unions share so ends where
     one of them does, and that nothing likely contradicts it. None if nothing is sure, or the unions
     cannot be laid so.
     """
-    ranked = sorted(product(first.members, second.members), key=lambda pair: -evidence[pair])
-    for pair in ranked[:MEMBERS]:
-        one, other = sorted(
-            (growth.pieces[member] for member in pair), key=lambda piece: -piece.mesh.area
-        )
-        before = _answer(one, other, meet, growth)
-        if before is None:
+    for before in sorted(growth.sure_of_members, key=chance_of, reverse=True):
+        sides = {before.first.members[0], before.second.members[0]}
+        if not (sides & set(first.members) and sides & set(second.members)):
             continue
         join = _laid(before, first, second, lay, growth)
         if join is not None and join.met.chance >= JOINED:
             growth.told[first.members, second.members] = before
             return join
     return None
-
-
-def _answer(one: Union, other: Union, meet: Meet, growth: Growth) -> Join | None:
-    """What two pieces surely share, if they were not asked while they were alone."""
-    key = (one.members, other.members)
-    if key in growth.chances:
-        return None
-    if key not in growth.of_members:
-        found = unless_strangers(asked(one, other, meet, growth), growth)
-        growth.of_members[key] = found.met.chance
-        if found.met.chance >= JOINED:
-            growth.sure_of_members[key] = found
-    return growth.sure_of_members.get(key)
 
 
 def _laid(before: Join, first: Union, second: Union, lay: Lay, growth: Growth) -> Join | None:

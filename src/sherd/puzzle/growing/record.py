@@ -69,9 +69,7 @@ class Growth:
     groups: list[tuple[int, ...]] = field(default_factory=list)
     chances: dict[tuple[tuple[int, ...], tuple[int, ...]], float] = field(default_factory=dict)
     of_members: dict[tuple[tuple[int, ...], tuple[int, ...]], float] = field(default_factory=dict)
-    sure_of_members: dict[tuple[tuple[int, ...], tuple[int, ...]], Join] = field(
-        default_factory=dict
-    )
+    sure_of_members: list[Join] = field(default_factory=list)
     told: dict[tuple[tuple[int, ...], tuple[int, ...]], Join] = field(default_factory=dict)
     aside: dict[tuple[tuple[int, ...], tuple[int, ...]], Join] = field(default_factory=dict)
     together: list[set[tuple[int, ...]]] = field(default_factory=list)
