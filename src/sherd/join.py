@@ -18,6 +18,7 @@ from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.output import Stages
 from sherd.overlap import check_overlap_sizes
 from sherd.puzzle.growing.across import laid_across
+from sherd.puzzle.growing.asking import Asking
 from sherd.puzzle.growing.growth import grown
 from sherd.puzzle.growing.joined_maps import direct_maps
 from sherd.puzzle.growing.record import Growth
@@ -25,7 +26,7 @@ from sherd.puzzle.growing.union import Join, Union
 from sherd.puzzle.pairs import pair_evidence
 from sherd.puzzle.pairwise.answer import Meeting
 from sherd.puzzle.pairwise.body import Body, Told
-from sherd.puzzle.pairwise.meeting import Describe, meeting
+from sherd.puzzle.pairwise.meeting import Describe, glance, meeting
 from sherd.puzzle.synchronization import PieceMap, cycle_error, synchronized
 from sherd.results.keywords import options_of
 from sherd.results.overlap_result import SharedMap
@@ -116,7 +117,7 @@ def join(
         # one body asks all that are left at last
         body = lru_cache(maxsize=1)(partial(Body, seed=options.seed))
         asking = _Asking(options.seed, describe, body, stages)
-        growth = grown(alone, evidence, asking, asking.laid, asking.across)
+        growth = grown(alone, evidence, asking.ways)
     originals = [intake.original for intake in intakes]
     with stages("synchronization"):
         # of members that told their unions the own answer says more than that of the unions
@@ -168,9 +169,20 @@ class _Asking:
     body: Callable[[TriangleMesh], Body]
     stages: Stages
 
-    def __call__(self, first: Union, second: Union, known: Ints, taken: Bools | None) -> Meeting:
+    @property
+    def ways(self) -> Asking:
+        """All of them."""
+        return Asking(self.met, self.glance, self.laid, self.across)
+
+    def met(self, first: Union, second: Union, known: Ints, taken: Bools | None) -> Meeting:
+        """All that is known."""
         self.stages.show(f"growth: {_named(first)} and {_named(second)}")
         return meeting(first.mesh, second.mesh, self.seed, known, taken, self.describe)
+
+    def glance(self, first: Union, second: Union) -> Meeting:
+        """Of two pieces, what is plain to see."""
+        self.stages.show(f"growth: {_named(first)} and {_named(second)}")
+        return glance(first.mesh, second.mesh, self.seed, self.describe)
 
     def laid(self, first: Union, second: Union, told: Told) -> Meeting:
         """Both where that is told."""

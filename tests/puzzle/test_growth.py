@@ -12,9 +12,9 @@ import pytest
 from sherd.arrays import Bools, Ints
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.puzzle.growing import asking, completion, growth, record
+from sherd.puzzle.growing.asking import Asking
 from sherd.puzzle.growing.growth import grown
 from sherd.puzzle.growing.union import Join, Union
-from sherd.puzzle.pairwise.body import Told
 
 SQUARE = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
 FACES = [[0, 1, 2], [0, 2, 3]]
@@ -38,8 +38,9 @@ def no_twins(first: Union, second: Union) -> None:
     """Nothing lies across from anything."""
 
 
-def not_laid(first: Union, second: Union, told: Told) -> None:
-    """Nobody is told where it lies."""
+def ways(meet: Any, across: Any = no_twins) -> Asking:
+    """Members are not asked here."""
+    return Asking(meet, meet, meet, across)
 
 
 def answer(chance: float, *, twin: bool = False, by_skin: float = 0.0) -> Any:
@@ -87,7 +88,7 @@ def test_a_chain_is_joined_and_what_is_foreign_stays_alone() -> None:
         near = any(abs(i - j) == 1 for i in first.members for j in second.members)
         return answer(0.9 if near and 4 not in second.members else 0.1)
 
-    found = grown(pieces(5), np.ones((5, 5)), meet, not_laid, no_twins)
+    found = grown(pieces(5), np.ones((5, 5)), ways(meet))
     assert sorted(map(sorted, found.groups)) == [[0, 1, 2, 3], [4]]
     assert [join.second.members for join in found.joins] == [(1,), (2,), (3,)]
     assert len(set(asked)) == len(asked)
@@ -101,7 +102,7 @@ def test_a_twin_that_a_small_union_would_take_is_asked_again_first(monkeypatch) 
         return answer(chance)
 
     leave_out(monkeypatch, completion, lambda before, join: 1.0)
-    found = grown(pieces(3), np.ones((3, 3)), meet, not_laid, no_twins)
+    found = grown(pieces(3), np.ones((3, 3)), ways(meet))
     assert sorted(map(sorted, found.groups)) == [[0, 1], [2]]
 
 
@@ -114,7 +115,7 @@ def test_of_many_others_only_those_with_most_evidence_are_asked() -> None:
 
     evidence = np.zeros((14, 14))
     evidence[0] = evidence[:, 0] = np.arange(14)
-    grown(pieces(14), evidence, meet, not_laid, no_twins)
+    grown(pieces(14), evidence, ways(meet))
     assert {b for a, b in asked[: growth.PARTNERS] if a == 0} == set(range(6, 14))
 
 
@@ -124,7 +125,7 @@ def test_groups_that_both_grew_are_joined_at_last() -> None:
         sure = members in ({0, 1}, {2, 3}, {0, 1, 2, 3})
         return answer(0.9 if sure else 0.0)
 
-    found = grown(pieces(4), np.ones((4, 4)), meet, not_laid, no_twins)
+    found = grown(pieces(4), np.ones((4, 4)), ways(meet))
     assert sorted(map(sorted, found.groups)) == [[0, 1, 2, 3]]
 
 
@@ -135,7 +136,7 @@ def test_what_was_sure_before_is_recalled_where_a_twin_draws_it_away() -> None:
         sure = first.members == (0,) or len(known) == 1
         return answer(0.8 if sure else 0.1)
 
-    found = grown(pieces(3), np.ones((3, 3)), meet, not_laid, no_twins)
+    found = grown(pieces(3), np.ones((3, 3)), ways(meet))
     assert sorted(map(sorted, found.groups)) == [[0, 1, 2]]
 
 
@@ -153,7 +154,7 @@ def test_what_is_likely_where_it_surely_lay_is_joined(there, again, joined, monk
 
     crowd(monkeypatch, crowding)
     leave_out(monkeypatch, completion, lambda before, join: 1.0)
-    found = grown(pieces(3), np.ones((3, 3)), meet, not_laid, no_twins)
+    found = grown(pieces(3), np.ones((3, 3)), ways(meet))
     assert (len(found.groups) == 1) == joined
     if joined:
         assert again < found.joins[-1].met.chance < 0.9
@@ -169,9 +170,9 @@ def test_of_two_in_one_place_neither_is_joined_unless_one_is_far_surer(monkeypat
 
         return asked
 
-    close = grown(pieces(3), np.ones((3, 3)), meet(0.85), not_laid, no_twins)
+    close = grown(pieces(3), np.ones((3, 3)), ways(meet(0.85)))
     assert sorted(map(sorted, close.groups)) == [[0], [1], [2]]
-    clear = grown(pieces(3), np.ones((3, 3)), meet(0.97), not_laid, no_twins)
+    clear = grown(pieces(3), np.ones((3, 3)), ways(meet(0.97)))
     assert sorted(map(sorted, clear.groups)) == [[0, 1], [2]]
 
 
@@ -185,7 +186,7 @@ def test_a_twin_in_the_place_of_another_is_asked_elsewhere_and_both_are_joined(m
         here, elsewhere = {1: (0.9, 0.9), 2: (0.8, 0.05)}[second.members[0]]
         return answer(here if taken is None else elsewhere)
 
-    found = grown(pieces(3), np.ones((3, 3)), meet, not_laid, no_twins)
+    found = grown(pieces(3), np.ones((3, 3)), ways(meet))
     assert [join.second.members for join in found.joins] == [(2,), (1,)]
     assert [join.met.chance for join in found.joins] == [0.8, 0.9]
     assert asked[-1] == ((0, 2), (1,), True)
@@ -200,7 +201,7 @@ def test_two_that_overlap_in_one_place_are_both_joined_where_the_loop_closes(mon
         taken_before.append(taken is not None)
         return answer({1: 0.85, 2: 0.8}[second.members[0]])
 
-    found = grown(pieces(3), np.ones((3, 3)), meet, not_laid, no_twins)
+    found = grown(pieces(3), np.ones((3, 3)), ways(meet))
     assert sorted(map(sorted, found.groups)) == [[0, 1, 2]]
     assert not any(taken_before)
 
@@ -227,7 +228,7 @@ def test_two_in_one_place_are_both_joined_where_they_show_the_same_skin_there(
             return answer(0.1, by_skin=by_skin if len(known) else 0.0)
         return answer({1: 0.85, 2: 0.8}[second.members[0]] if taken is None else 0.1)
 
-    found = grown(pieces(3), np.ones((3, 3)), meet, not_laid, no_twins)
+    found = grown(pieces(3), np.ones((3, 3)), ways(meet))
     assert max(map(len, found.groups)) == joined
     assert asked[:2] == [0, 1]
 
@@ -243,7 +244,7 @@ def test_what_is_laid_on_its_twin_is_asked_elsewhere_each_time() -> None:
         return answer(0.8 if len(first.members) == 2 else 0.5) if taken is not None else mirror
 
     mirror = answer(0.15, twin=True)
-    found = grown(pieces(3), np.ones((3, 3)), meet, not_laid, no_twins)
+    found = grown(pieces(3), np.ones((3, 3)), ways(meet))
     assert sorted(map(sorted, found.groups)) == [[0, 1, 2]]
     assert [each for each in asked if each[1] == (2,)] == [
         ((0,), (2,), False),
@@ -261,7 +262,7 @@ def test_what_only_looks_like_a_twin_may_be_laid_there_again() -> None:
             return answer(0.1)
         return answer(0.9) if len(first.members) == 2 else answer(0.4, twin=True)
 
-    found = grown(pieces(3), np.ones((3, 3)), meet, not_laid, no_twins)
+    found = grown(pieces(3), np.ones((3, 3)), ways(meet))
     assert sorted(map(sorted, found.groups)) == [[0, 1, 2]]
 
 
@@ -293,7 +294,7 @@ def test_what_leaves_out_what_was_likely_is_contradicted_by_it(
 
     for room in (asking, completion):
         leave_out(monkeypatch, room, left_out)
-    found = grown(pieces(3), np.ones((3, 3)), meet, not_laid, no_twins)
+    found = grown(pieces(3), np.ones((3, 3)), ways(meet))
     assert max(map(len, found.groups)) == joined
     # what is not joined is asked once more at last
     assert asked == ([0, 1] if left else [0]) + [1] * (joined == 2)
@@ -306,7 +307,7 @@ def test_what_was_likely_is_asked_again_where_the_union_finds_nothing(monkeypatc
         return answer(0.6 if len(first.members) == 1 else 0.9 if len(known) else 0.0)
 
     monkeypatch.setattr(asking, "left_out", lambda before, join: float(join.met.chance == 0.0))
-    found = grown(pieces(3), np.ones((3, 3)), meet, not_laid, no_twins)
+    found = grown(pieces(3), np.ones((3, 3)), ways(meet))
     assert sorted(map(sorted, found.groups)) == [[0, 1, 2]]
 
 
@@ -325,7 +326,7 @@ def test_what_is_likely_is_joined_at_last_if_the_group_lies_there(
 ) -> None:
     leave_out(monkeypatch, completion, lambda before, join: left)
     monkeypatch.setattr(completion, "_lies_within", lambda join: within)
-    found = grown(pieces(3), np.ones((3, 3)), likely, not_laid, no_twins)
+    found = grown(pieces(3), np.ones((3, 3)), ways(likely))
     assert max(map(len, found.groups)) == joined
     assert [join.met.chance for join in found.last] == [0.6] * (joined - 2)
 
@@ -341,7 +342,7 @@ def test_at_last_the_skin_alone_makes_an_answer_likely(by_skin, twin, joined) ->
             return answer(0.95)
         return answer(0.1, by_skin=by_skin, twin=twin)
 
-    found = grown(pieces(3), np.ones((3, 3)), meet, not_laid, no_twins)
+    found = grown(pieces(3), np.ones((3, 3)), ways(meet))
     assert max(map(len, found.groups)) == joined
     assert [join.met.chance for join in found.last] == [by_skin] * (joined - 2)
 
@@ -353,7 +354,7 @@ def test_nothing_likely_is_joined_where_another_one_likely_lies(monkeypatch) -> 
         alone = first.members == (0,) and second.members in ((1,), (2,))
         return answer(0.6 if alone else 0.0)
 
-    found = grown(pieces(3), np.ones((3, 3)), meet, not_laid, no_twins)
+    found = grown(pieces(3), np.ones((3, 3)), ways(meet))
     assert len(found.groups) == 3
     assert not found.last
 
@@ -372,7 +373,7 @@ def test_who_is_alone_is_asked_at_last_whether_the_largest_group_has_its_twin() 
         chance = {2: 0.7, 3: 0.6 if 2 in first.members else 0.4, 4: 0.0}[second.members[0]]
         return answer(chance) if chance else None
 
-    found = grown(pieces(5), np.ones((5, 5)), only_a_pair, not_laid, across)
+    found = grown(pieces(5), np.ones((5, 5)), ways(only_a_pair, across))
     assert sorted(map(sorted, found.groups)) == [[0, 1, 2, 3], [4]]
     assert [join.met.chance for join in found.last] == [0.7, 0.6]
     assert found.joins[1:] == found.last == found.across
@@ -386,7 +387,7 @@ def test_two_that_lie_across_from_one_twin_contradict_each_other(monkeypatch) ->
         return answer(0.7 if second.members == (2,) else 0.6)
 
     crowd(monkeypatch, lambda one, other: 1.0)
-    found = grown(pieces(4), np.ones((4, 4)), only_a_pair, not_laid, across)
+    found = grown(pieces(4), np.ones((4, 4)), ways(only_a_pair, across))
     assert sorted(map(sorted, found.groups)) == [[0, 1], [2], [3]]
 
 
@@ -397,7 +398,7 @@ def test_a_single_piece_is_not_asked_for_twins() -> None:
     def across(first: Union, second: Union) -> Any:
         raise AssertionError("asked for a twin")
 
-    assert len(grown(pieces(3), np.ones((3, 3)), nothing, not_laid, across).groups) == 3
+    assert len(grown(pieces(3), np.ones((3, 3)), ways(nothing, across)).groups) == 3
 
 
 @pytest.mark.parametrize(("share", "groups"), [(0.1, [[0], [1, 2]]), (0.04, [[0], [1], [2]])])
@@ -409,7 +410,7 @@ def test_strangers_to_the_largest_piece_are_joined_by_much_only(share, groups, m
 
     some = pieces(3)
     monkeypatch.setattr(asking, "_common_area", lambda join: share * some[0].mesh.area)
-    found = grown(some, np.ones((3, 3)), meet, not_laid, no_twins)
+    found = grown(some, np.ones((3, 3)), ways(meet))
     assert sorted(map(sorted, found.groups)) == groups
 
 
@@ -423,7 +424,7 @@ def test_where_unions_find_nothing_their_members_are_asked(monkeypatch) -> None:
         return Join(first, second, answer(0.8)) if both else None
 
     monkeypatch.setattr(growth, "told_by_members", by_members)
-    found = grown(pieces(4), np.ones((4, 4)), meet, not_laid, no_twins)
+    found = grown(pieces(4), np.ones((4, 4)), ways(meet))
     assert sorted(map(sorted, found.groups)) == [[0, 1, 2], [3]]
     assert found.chances[(0, 1), (2,)] == 0.8
     assert not found.last
@@ -438,5 +439,5 @@ def test_of_two_that_members_lay_on_one_place_as_surely_neither_has_it(monkeypat
 
     monkeypatch.setattr(growth, "told_by_members", by_members)
     crowd(monkeypatch, lambda one, other: 1.0)
-    found = grown(pieces(4), np.ones((4, 4)), meet, not_laid, no_twins)
+    found = grown(pieces(4), np.ones((4, 4)), ways(meet))
     assert [join.met.chance for join in found.joins] == [0.9]

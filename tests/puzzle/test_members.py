@@ -12,6 +12,7 @@ from scipy.spatial import cKDTree
 
 from sherd.arrays import Bools, Floats, Ints
 from sherd.puzzle.growing import members
+from sherd.puzzle.growing.asking import Asking
 from sherd.puzzle.growing.members import ask_members, carried, told_by, told_by_members
 from sherd.puzzle.growing.record import Growth
 from sherd.puzzle.growing.union import Join, Union, united
@@ -105,28 +106,36 @@ def test_where_a_member_is_sure_the_union_is_joined_there(cut, alone, halves, le
 
     def meet(first: Union, second: Union, known: Ints, taken: Bools | None) -> Any:
         asked.append((first.members, second.members))
-        return leg.met if first is alone[1] else replace(leg.met, chance=0.1)
+        return leg.met
 
-    assert told_by_members(union, alone[2], laid, growth) is None
-    ask_members(union, alone[2], np.ones((3, 3)), meet, growth)
-    assert asked == [((0,), (2,)), ((1,), (2,))]
+    def glance(first: Union, second: Union) -> Any:
+        return replace(leg.met, chance=0.6 if first is alone[1] else 0.1)
+
+    asking = Asking(meet, glance, laid, no_twins)
+    assert told_by_members(union, alone[2], asking, growth) is None
+    ask_members(union, alone[2], np.ones((3, 3)), asking, growth)
+    assert asked == [((1,), (2,))]  # what looks likely at a glance
     assert growth.of_members == {((0,), (2,)): 0.1, ((1,), (2,)): 0.99}
-    join = told_by_members(union, alone[2], laid, growth)
+    join = told_by_members(union, alone[2], asking, growth)
     assert join is not None
     assert join.met.chance > 0.9
     assert (join.first, join.second) == (union, alone[2])
     assert join.met.placements[0].shared.mean() > 0.8
     assert [each.met for each in growth.told.values()] == [leg.met]
     # nobody is asked twice
-    ask_members(union, alone[2], np.ones((3, 3)), meet, growth)
-    assert len(asked) == 2
+    ask_members(union, alone[2], np.ones((3, 3)), asking, growth)
+    assert len(asked) == 1
+
+
+def no_twins(first: Union, second: Union) -> None:
+    """Nothing lies across from anything."""
 
 
 def laid(first: Union, second: Union, told: Told) -> Any:
     return Body(first.mesh, 0).met(second.mesh, told)
 
 
-def test_what_evidence_ranks_last_is_not_asked(alone, monkeypatch) -> None:
+def test_what_evidence_ranks_last_is_not_asked(alone) -> None:
     count = members.MEMBERS + 2
     pieces = [Union.of_piece(alone[0].mesh, number) for number in range(count + 1)]
     union = replace(pieces[0], members=tuple(range(count)))
@@ -134,22 +143,23 @@ def test_what_evidence_ranks_last_is_not_asked(alone, monkeypatch) -> None:
     growth = Growth(pieces, pieces[0])
     asked = []
 
-    def meet(first: Union, second: Union, known: Ints, taken: Bools | None) -> Any:
+    def glance(first: Union, second: Union) -> Any:
         asked.append(first.members[0])
-        return SimpleNamespace(chance=0.1, twin=False, by_skin=0.0)
+        return SimpleNamespace(chance=0.1)
 
-    monkeypatch.setattr(members, "unless_strangers", lambda join, growth: join)
-    ask_members(union, pieces[-1], evidence, meet, growth)
-    assert asked == [count - 1, count - 2, count - 3]
+    asking = Asking(laid, glance, laid, no_twins)
+    ask_members(union, pieces[-1], evidence, asking, growth)
+    assert asked == [count - 1 - k for k in range(members.MEMBERS)]
     assert not growth.sure_of_members
 
 
 def test_a_union_that_does_not_lie_there_is_not_joined(alone, leg, monkeypatch) -> None:
     union = replace(alone[1], members=(1, 0))
     growth = Growth(alone, alone[0], sure_of_members=[leg])
+    asking = Asking(laid, laid, lambda *_: leg.met, no_twins)
 
     def found() -> Join | None:
-        return told_by_members(union, alone[2], lambda *_: leg.met, growth)
+        return told_by_members(union, alone[2], asking, growth)
 
     assert found() is not None
     monkeypatch.setattr(members, "left_out", lambda before, join: 0.6)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from sherd.arrays import Bools, Ints
 from sherd.correspondence.confidence import LEAST
@@ -17,9 +17,10 @@ from sherd.puzzle.growing.common_places import left_out, recalled, taken_by
 from sherd.puzzle.growing.record import CROWD, Growth, chance_of, laid_there, odds_of
 from sherd.puzzle.growing.union import Join, Union
 from sherd.puzzle.pairwise.answer import JOINED, Meeting
+from sherd.puzzle.pairwise.body import Told
 from sherd.puzzle.pairwise.meeting import NOTHING_KNOWN
 
-__all__ = ["LIKELY", "Meet", "against", "asked", "unless_strangers"]
+__all__ = ["LIKELY", "Asking", "Meet", "against", "asked", "unless_strangers"]
 
 # More likely right than not.
 LIKELY = 0.5
@@ -34,6 +35,28 @@ BESIDE = 0.065
 # The larger union, the other one, pairs (p, 2) of vertices that lie on each other, and the vertices
 # (n,) of the larger one where the other does not lie, if there are any.
 Meet = Callable[[Union, Union, Ints, Bools | None], Meeting]
+
+
+@dataclass(frozen=True)
+class Asking:
+    """The ways in which two unions are asked, the larger one first.
+
+    Attributes
+    ----------
+    meet
+        What they share; what is given besides is known of them.
+    glance
+        The same where that is plain to see, a third of the time where it is not.
+    lay
+        What they share if the other lies where that is told.
+    across
+        Where the other lies across from its twin on the larger one; None if it does not.
+    """
+
+    meet: Meet
+    glance: Callable[[Union, Union], Meeting]
+    lay: Callable[[Union, Union, Told], Meeting]
+    across: Callable[[Union, Union], Meeting | None]
 
 
 def asked(first: Union, second: Union, meet: Meet, growth: Growth) -> Join:

@@ -7,26 +7,22 @@ then who is still alone is asked whether the largest group has its twin.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from itertools import combinations
 
-from sherd.puzzle.growing.asking import LIKELY, Meet
+from sherd.puzzle.growing.asking import LIKELY, Asking, Meet
 from sherd.puzzle.growing.common_places import crowding, left_out, recalled
 from sherd.puzzle.growing.record import CROWD, Growth, chance_of
 from sherd.puzzle.growing.union import Join, Union, united
-from sherd.puzzle.pairwise.answer import Meeting
 from sherd.puzzle.pairwise.join_chance import lies_within
 
-__all__ = ["Across", "completed"]
-
-# The larger union and the other one; where that lies across from its twin, None if it does not.
-Across = Callable[[Union, Union], Meeting | None]
+__all__ = ["completed"]
 
 
-def completed(groups: Sequence[Union], meet: Meet, across: Across, growth: Growth) -> list[Union]:
+def completed(groups: Sequence[Union], asking: Asking, growth: Growth) -> list[Union]:
     """Groups, joined where that was found likely, then where the largest one has their twins."""
-    return _with_twins(_with_likely(groups, meet, growth), across, growth)
+    return _with_twins(_with_likely(groups, asking.meet, growth), asking, growth)
 
 
 def _with_likely(groups: Sequence[Union], meet: Meet, growth: Growth) -> list[Union]:
@@ -56,7 +52,7 @@ def _with_likely(groups: Sequence[Union], meet: Meet, growth: Growth) -> list[Un
     return found
 
 
-def _with_twins(groups: Sequence[Union], across: Across, growth: Growth) -> list[Union]:
+def _with_twins(groups: Sequence[Union], asking: Asking, growth: Growth) -> list[Union]:
     """Groups, joined where one lies across from its twin in the largest; the likeliest first.
 
     Who was joined may have the place of who comes later, or its twin, so these are asked again. Two
@@ -68,7 +64,7 @@ def _with_twins(groups: Sequence[Union], across: Across, growth: Growth) -> list
         largest, *others = sorted(found, key=lambda union: -union.mesh.area)
         if len(largest.members) == 1:
             return found
-        answers = [(other, across(largest, other)) for other in others]
+        answers = [(other, asking.across(largest, other)) for other in others]
         joins = [
             Join(largest, other, met)
             for other, met in answers

@@ -13,11 +13,11 @@ from collections.abc import Sequence
 from functools import cache
 
 from sherd.arrays import Floats
-from sherd.puzzle.growing.asking import LIKELY, Meet, asked, unless_strangers
+from sherd.puzzle.growing.asking import LIKELY, Asking, Meet, asked, unless_strangers
 from sherd.puzzle.growing.common_places import crowding, laid_alike, taken_by
-from sherd.puzzle.growing.completion import Across, completed
+from sherd.puzzle.growing.completion import completed
 from sherd.puzzle.growing.joined_maps import open_loop
-from sherd.puzzle.growing.members import Lay, ask_members, told_by_members
+from sherd.puzzle.growing.members import ask_members, told_by_members
 from sherd.puzzle.growing.record import CROWD, UNASKED, Growth, chance_of, odds_of
 from sherd.puzzle.growing.union import Join, Union, united
 from sherd.puzzle.pairwise.answer import JOINED
@@ -45,9 +45,7 @@ OVERLAPPING = 0.06
 LOOP = 0.06
 
 
-def grown(
-    pieces: Sequence[Union], evidence: Floats, meet: Meet, lay: Lay, across: Across
-) -> Growth:
+def grown(pieces: Sequence[Union], evidence: Floats, asking: Asking) -> Growth:
     """Join what belongs together.
 
     Parameters
@@ -56,12 +54,8 @@ def grown(
         One piece each, numbered as they stand here.
     evidence
         (k, k) symmetric, how much speaks for asking two pieces.
-    meet
-        Asks two unions, the larger one first; what is given besides is known of them.
-    lay
-        Lays two unions on each other where that is told.
-    across
-        Asks two unions whether the larger one has the twin of the other, when all else is done.
+    asking
+        How two of them, or two unions, are asked.
     """
     growth = Growth(pieces, max(pieces, key=lambda piece: piece.mesh.area))
     growing = list(pieces)
@@ -71,12 +65,12 @@ def grown(
         growing.remove(here)
         others = [*growing, *done]
         # what members said already is sure, so the union need not be asked
-        partner = _by_members(here, others, evidence, lay, growth)
+        partner = _by_members(here, others, evidence, asking, growth)
         if partner is None:
-            partner = _surest(here, others, evidence, meet, growth)
+            partner = _surest(here, others, evidence, asking.meet, growth)
         if partner is None:
-            _ask_members(here, others, evidence, meet, growth)
-            partner = _by_members(here, others, evidence, lay, growth)
+            _ask_members(here, others, evidence, asking, growth)
+            partner = _by_members(here, others, evidence, asking, growth)
         if partner is None:
             done.append(here)
             continue
@@ -84,7 +78,7 @@ def grown(
             (growing if union in growing else done).remove(union)
         growth.joins.append(partner)
         growing.append(united(partner))
-    growth.groups = [union.members for union in completed(done, meet, across, growth)]
+    growth.groups = [union.members for union in completed(done, asking, growth)]
     return growth
 
 
@@ -126,13 +120,13 @@ def _surest(
 
 
 def _by_members(
-    here: Union, others: Sequence[Union], evidence: Floats, lay: Lay, growth: Growth
+    here: Union, others: Sequence[Union], evidence: Floats, asking: Asking, growth: Growth
 ) -> Join | None:
     """The surest of those that members of `here` surely share something with in their own poses."""
     sure: list[Join] = []
     for other in _ranked(here, others, evidence):
         first, second = sorted((here, other), key=lambda union: -union.mesh.area)
-        join = told_by_members(first, second, lay, growth)
+        join = told_by_members(first, second, asking, growth)
         if join is not None:
             growth.chances[first.members, second.members] = join.met.chance
             growth.sure.append(join)
@@ -141,11 +135,11 @@ def _by_members(
 
 
 def _ask_members(
-    here: Union, others: Sequence[Union], evidence: Floats, meet: Meet, growth: Growth
+    here: Union, others: Sequence[Union], evidence: Floats, asking: Asking, growth: Growth
 ) -> None:
     for other in _ranked(here, others, evidence):
         first, second = sorted((here, other), key=lambda union: -union.mesh.area)
-        ask_members(first, second, evidence, meet, growth)
+        ask_members(first, second, evidence, asking, growth)
 
 
 def _ranked(here: Union, others: Sequence[Union], evidence: Floats) -> list[Union]:

@@ -9,7 +9,7 @@ is carried to where its union has it, and laid there.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from itertools import product
 
@@ -21,26 +21,31 @@ from sherd.correspondence.confidence import LEAST
 from sherd.correspondence.shared.two_way_placement import CLOSED
 from sherd.mesh.surface_points import closest_points
 from sherd.mesh.triangle_mesh import TriangleMesh
-from sherd.puzzle.growing.asking import Meet, against, asked, unless_strangers
+from sherd.puzzle.growing.asking import LIKELY, Asking, against, asked, unless_strangers
 from sherd.puzzle.growing.common_places import left_out
 from sherd.puzzle.growing.record import CROWD, Growth, chance_of, laid_there
 from sherd.puzzle.growing.union import LAYER, Join, Union, origins
-from sherd.puzzle.pairwise.answer import JOINED, Meeting
+from sherd.puzzle.pairwise.answer import JOINED
 from sherd.puzzle.pairwise.body import Told
 from sherd.puzzle.pairwise.join_chance import ends_with_one
 
-__all__ = ["Lay", "ask_members", "carried", "told_by", "told_by_members"]
+__all__ = ["ask_members", "carried", "told_by", "told_by_members"]
 
-# Of two unions so many pairs of members are asked, those that cheap evidence ranks first: the right
-# one was among the first three of four such puzzles' seven.
-MEMBERS = 3
+# Of two unions so many pairs of members are asked, those that cheap evidence ranks first. Of seven
+# pieces these are nearly all, and a pair costs a third of a question; of a dozen the right one is
+# seldom behind (it was the first to third in four puzzles).
+MEMBERS = 4
 
 # The larger union, the other one, and where the other's vertices lie on it.
-Lay = Callable[[Union, Union, Told], Meeting]
 
 
-def ask_members(first: Union, second: Union, evidence: Floats, meet: Meet, growth: Growth) -> None:
-    """Ask members of two unions that were not asked yet; what is sure is kept in mind."""
+def ask_members(
+    first: Union, second: Union, evidence: Floats, asking: Asking, growth: Growth
+) -> None:
+    """Ask members of two unions that were not asked yet; what is sure is kept in mind.
+
+    Who bends a joint alike sees it at a glance; what looks likely then is asked as all others are.
+    """
     ranked = sorted(product(first.members, second.members), key=lambda pair: -evidence[pair])
     for pair in ranked[:MEMBERS]:
         one, other = sorted(
@@ -49,13 +54,15 @@ def ask_members(first: Union, second: Union, evidence: Floats, meet: Meet, growt
         key = (one.members, other.members)
         if key in growth.chances or key in growth.of_members:
             continue
-        found = unless_strangers(asked(one, other, meet, growth), growth)
+        found = Join(one, other, asking.glance(one, other))
+        if found.met.chance >= LIKELY:
+            found = unless_strangers(asked(one, other, asking.meet, growth), growth)
         growth.of_members[key] = found.met.chance
         if found.met.chance >= JOINED:
             growth.sure_of_members.append(found)
 
 
-def told_by_members(first: Union, second: Union, lay: Lay, growth: Growth) -> Join | None:
+def told_by_members(first: Union, second: Union, asking: Asking, growth: Growth) -> Join | None:
     """The larger union and the other one, laid as a member of each surely lies on one of the other.
 
     As likely as these two are to share what they share, that what the unions share so ends where
@@ -66,19 +73,19 @@ def told_by_members(first: Union, second: Union, lay: Lay, growth: Growth) -> Jo
         sides = {before.first.members[0], before.second.members[0]}
         if not (sides & set(first.members) and sides & set(second.members)):
             continue
-        join = _laid(before, first, second, lay, growth)
+        join = _laid(before, first, second, asking, growth)
         if join is not None and join.met.chance >= JOINED:
             growth.told[first.members, second.members] = before
             return join
     return None
 
 
-def _laid(before: Join, first: Union, second: Union, lay: Lay, growth: Growth) -> Join | None:
+def _laid(before: Join, first: Union, second: Union, asking: Asking, growth: Growth) -> Join | None:
     """Both unions laid on each other as members were; None if these do not lie there then."""
     told = told_by(before, first, second, growth.joins)
     if not told.known.any():
         return None
-    met = lay(first, second, told)
+    met = asking.lay(first, second, told)
     if not all(place.shared.any() for place in met.placements):
         return None
     chance = before.met.chance * ends_with_one(met.questions, met.placements)

@@ -54,7 +54,7 @@ from sherd.surface.prepared import described_part
 from sherd.surface.transformed import mirrored, sampled_within
 from sherd.threads import cached_property, one_blas_thread, side_by_side
 
-__all__ = ["NOTHING_KNOWN", "Describe", "free_vertices", "meeting"]
+__all__ = ["NOTHING_KNOWN", "Describe", "free_vertices", "glance", "meeting"]
 
 Describe = Callable[[TriangleMesh, float], DescribedSurface]
 NOTHING_KNOWN = np.empty((0, 2), dtype=np.int64)
@@ -106,6 +106,21 @@ def meeting(
     if first_answer.chance < JOINED:
         answers = one_place([first_answer, *asked.further_answers()])
     return beside_their_twins(answers, partial(_mirrored_answer, described, seed))
+
+
+@one_blas_thread()
+def glance(
+    first: TriangleMesh, second: TriangleMesh, seed: int, describe: Describe = described_part
+) -> Meeting:
+    """As :func:`meeting`, but where labels save most and nowhere else, nor of the mirror image.
+
+    A third of the time where that is not sure, and as much where it is.
+    """
+    unit = max(first.length, second.length)
+    surfaces = (describe(first, unit), describe(second, unit))
+    for surface in surfaces:
+        prepare_both_ways(surface)
+    return _Asked.of(surfaces, seed, NOTHING_KNOWN, None).first_answer()
 
 
 def _mirrored_answer(surfaces: Both[DescribedSurface], seed: int) -> Meeting:
