@@ -252,15 +252,15 @@ def rigid_trials(trials: Sequence[Trial], tolerance: float) -> list[Trial]:
 
 
 def trials_of(piece: int, placed: PlacedPart, partition: Partition) -> list[Trial]:
-    """The placement, and others of the same piece that are other places."""
+    """The placement, and the other one if it is another place.
+
+    A rival elsewhere is none: two legs on each other's places, or a large piece on a missing one's,
+    may fit and fill the whole a little better. Who lies in each other's way is asked elsewhere.
+    """
     chance = trial_chance(placed.chance, placed.best.score)
     found = [trial_at(piece, placed, partition, chance)]
-    best = placed.best
-    for other in (placed.other, placed.rival):
-        if other is None:
-            continue
-        if not all(_is_another(each.candidate.region, other.mask) for each in found):
-            continue
+    best, other = placed.best, placed.other
+    if _is_another(best.mask, other.mask):
         less = float(np.exp((other.score - best.score) / SCORE_SCALE))
         swapped = replace(placed, best=other, other=best, rival=best)
         found.append(trial_at(piece, swapped, partition, chance * less))
