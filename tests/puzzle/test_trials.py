@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 from sherd.assemble import assemble
@@ -44,6 +45,18 @@ def test_a_place_that_another_piece_has_and_the_same_place_again_raise_no_doubt(
     assert chances(trial(0, left), trial(0, right), trial(1, sure))[0] == pytest.approx(0.7)
     again = candidate(0.0, 0.26, 0.6)
     assert chances(trial(0, left), trial(0, again))[0] == pytest.approx(0.7)
+
+
+def test_a_rival_elsewhere_is_no_trial_of_its_own(monkeypatch) -> None:
+    def placement(score: float, *rows: int) -> SimpleNamespace:
+        return SimpleNamespace(score=score, mask=np.isin(np.arange(4), rows))
+
+    monkeypatch.setattr(trials, "trial_at", lambda piece, placed, partition, chance: placed.best)
+    best = placement(0.8, 0, 1)
+    placed = SimpleNamespace(
+        chance=0.5, best=best, other=placement(0.7, 0, 1), rival=placement(0.79, 2, 3)
+    )
+    assert trials.trials_of(0, placed, None) == [best]
 
 
 @pytest.mark.parametrize(("energy", "asked"), [(1.2, ["one", "other"]), (1.4, ["one"])])
