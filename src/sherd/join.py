@@ -82,7 +82,8 @@ def join(
     A group grows from its largest piece: all others are asked, the surest is joined, and the union
     of both, in the pose of the larger, is asked again. The others are those that a few nodes of
     each pair rank first, at a tenth of the cost of a question. Seven pieces take about twenty
-    questions. Pieces that share a tenth or less are mostly not found to belong together. At last
+    questions. Where a union finds nothing its members are asked at a glance, each in its own pose.
+    Pieces that share a tenth or less are mostly not found to belong together. At last
     what is more likely right than not is joined, too, if nothing contradicts it, and what lies
     across from its twin; see :attr:`Joined.likely` and :attr:`Joined.by_twin`.
 

@@ -36,8 +36,6 @@ __all__ = ["ask_members", "carried", "told_by", "told_by_members"]
 # seldom behind (it was the first to third in four puzzles).
 MEMBERS = 4
 
-# The larger union, the other one, and where the other's vertices lie on it.
-
 
 def ask_members(
     first: Union, second: Union, evidence: Floats, asking: Asking, growth: Growth
