@@ -9,7 +9,7 @@ from sherd.arrays import Bools, Floats, Ints
 from sherd.puzzle.growing.union import LAYER, Join, Union, origins
 from sherd.spectral.sampling import farthest_point_sample_euclidean
 
-__all__ = ["crowding", "laid_alike", "left_out", "recalled", "taken_by"]
+__all__ = ["crowding", "laid_alike", "left_out", "nearest_places", "recalled", "taken_by"]
 
 # So many places fix a placement on a surface, also if one of them is gone.
 RECALLED = 4
@@ -87,9 +87,7 @@ def left_out(before: Join, join: Join) -> float:
                 continue
             for piece in np.intersect1d(owners, others):
                 rows = np.flatnonzero(others == piece)
-                tree = cKDTree(further[rows])
-                away, at = tree.query(places[owners == piece], distance_upper_bound=reach)
-                nearest = rows[np.asarray(at)[np.isfinite(away)]]
+                nearest = rows[nearest_places(further[rows], places[owners == piece], reach)[1]]
                 lost += int((~shared[nearest]).sum())
                 found += len(nearest)
     return lost / max(found, 1)
@@ -107,9 +105,7 @@ def laid_alike(one: Join, other: Join) -> Ints:
     pairs: list[Ints] = []
     for piece in np.intersect1d(owners, others):
         rows, columns = np.flatnonzero(owners == piece), np.flatnonzero(others == piece)
-        away, at = cKDTree(further[columns]).query(places[rows], distance_upper_bound=reach)
-        near = np.isfinite(away)
-        nearest = np.asarray(at)[near].astype(np.int64)
+        near, nearest = nearest_places(further[columns], places[rows], reach)
         pairs.append(np.column_stack([own[rows[near]], its[columns[nearest]]]))
     if not pairs:
         return np.empty((0, 2), dtype=np.int64)
@@ -117,6 +113,18 @@ def laid_alike(one: Join, other: Join) -> Ints:
     count = min(RECALLED, len(found))
     points = one.second.mesh.vertices[found[:, 0]]
     return found[farthest_point_sample_euclidean(points, count, start=0)] if count else found
+
+
+def nearest_places(known: Floats, asked_for: Floats, reach: float) -> tuple[Bools, Ints]:
+    """Which places (q, 3) have one of the known ones (k, 3) within reach, and of these the nearest.
+
+    None of them if nothing is known.
+    """
+    if not len(known):
+        return np.zeros(len(asked_for), dtype=bool), np.empty(0, dtype=np.int64)
+    away, nearest = cKDTree(known).query(asked_for, distance_upper_bound=reach)
+    near: Bools = np.isfinite(away)
+    return near, np.asarray(nearest, dtype=np.int64)[near]
 
 
 def _taken(join: Join) -> tuple[Ints, Floats]:

@@ -14,7 +14,7 @@ from itertools import combinations
 from sherd.puzzle.growing.asking import LIKELY, Asking, Meet
 from sherd.puzzle.growing.common_places import crowding, left_out, recalled
 from sherd.puzzle.growing.record import CROWD, Growth, chance_of
-from sherd.puzzle.growing.union import Join, Union, united
+from sherd.puzzle.growing.union import Join, Union, larger_first, united
 from sherd.puzzle.pairwise.join_chance import lies_within
 
 __all__ = ["completed"]
@@ -38,10 +38,7 @@ def _with_likely(groups: Sequence[Union], meet: Meet, growth: Growth) -> list[Un
     found = list(groups)
     growth.likely += growth.by_skin
     for before in sorted(growth.likely, key=chance_of, reverse=True):
-        first, second = sorted(
-            (_with(found, side) for side in (before.first, before.second)),
-            key=lambda union: -union.mesh.area,
-        )
+        first, second = larger_first(_with(found, before.first), _with(found, before.second))
         # what is cheap to know is looked at before groups are asked again
         if first is second or _lies_within(before) or _has_another(before, growth):
             continue

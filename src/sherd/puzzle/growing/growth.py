@@ -19,7 +19,7 @@ from sherd.puzzle.growing.completion import completed
 from sherd.puzzle.growing.joined_maps import open_loop
 from sherd.puzzle.growing.members import ask_members, told_by_members
 from sherd.puzzle.growing.record import CROWD, UNASKED, Growth, chance_of, odds_of
-from sherd.puzzle.growing.union import Join, Union, united
+from sherd.puzzle.growing.union import Join, Union, larger_first, united
 from sherd.puzzle.pairwise.answer import JOINED
 from sherd.puzzle.pairwise.meeting import NOTHING_KNOWN
 
@@ -99,7 +99,7 @@ def _surest(
         enough = promise if promise == UNASKED else min(promise, ENOUGH)
         if best is not None and best.met.chance >= enough:
             break
-        first, second = sorted((here, other), key=lambda union: -union.mesh.area)
+        first, second = larger_first(here, other)
         key = (first.members, second.members)
         if key in growth.chances and key not in growth.aside:
             continue  # asked as they are, and not joined
@@ -125,7 +125,7 @@ def _by_members(
     """The surest of those that members of `here` surely share something with in their own poses."""
     sure: list[Join] = []
     for other in _ranked(here, others, evidence):
-        first, second = sorted((here, other), key=lambda union: -union.mesh.area)
+        first, second = larger_first(here, other)
         join = told_by_members(first, second, asking, growth)
         if join is not None:
             growth.chances[first.members, second.members] = join.met.chance
@@ -138,7 +138,7 @@ def _ask_members(
     here: Union, others: Sequence[Union], evidence: Floats, asking: Asking, growth: Growth
 ) -> None:
     for other in _ranked(here, others, evidence):
-        first, second = sorted((here, other), key=lambda union: -union.mesh.area)
+        first, second = larger_first(here, other)
         ask_members(first, second, evidence, asking, growth)
 
 
@@ -181,7 +181,7 @@ def _close_loops(join: Join, others: Sequence[Union], meet: Meet, growth: Growth
 
 def _loop_closes(one: Join, other: Join, meet: Meet, growth: Growth) -> bool:
     """Whether two that lie on a third also lie on each other, likely and in the same places."""
-    first, second = sorted((one.second, other.second), key=lambda union: -union.mesh.area)
+    first, second = larger_first(one.second, other.second)
     key = (first.members, second.members)
     if key not in growth.chances:
         join = asked(first, second, meet, growth)

@@ -14,7 +14,6 @@ from dataclasses import replace
 from itertools import product
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from sherd.arrays import Bools, Floats, Ints
 from sherd.correspondence.confidence import LEAST
@@ -22,9 +21,9 @@ from sherd.correspondence.shared.two_way_placement import CLOSED
 from sherd.mesh.surface_points import closest_points
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.puzzle.growing.asking import LIKELY, Asking, against, asked, unless_strangers
-from sherd.puzzle.growing.common_places import left_out
+from sherd.puzzle.growing.common_places import left_out, nearest_places
 from sherd.puzzle.growing.record import CROWD, Growth, chance_of, laid_there
-from sherd.puzzle.growing.union import LAYER, Join, Union, origins
+from sherd.puzzle.growing.union import LAYER, Join, Union, larger_first, origins
 from sherd.puzzle.pairwise.answer import JOINED
 from sherd.puzzle.pairwise.body import Told
 from sherd.puzzle.pairwise.join_chance import ends_with_one
@@ -46,9 +45,7 @@ def ask_members(
     """
     ranked = sorted(product(first.members, second.members), key=lambda pair: -evidence[pair])
     for pair in ranked[:MEMBERS]:
-        one, other = sorted(
-            (growth.pieces[member] for member in pair), key=lambda piece: -piece.mesh.area
-        )
+        one, other = larger_first(*(growth.pieces[member] for member in pair))
         key = (one.members, other.members)
         if key in growth.chances or key in growth.of_members:
             continue
@@ -144,9 +141,10 @@ def carried(
             _give_way(join, owners, at)
     found = np.zeros(len(places), dtype=bool)
     positions = np.zeros_like(at)
+    reach = LAYER * union.mesh.mean_edge_length
     for owner in np.unique(owners):
         own, rows = np.flatnonzero(union.owner == owner), np.flatnonzero(owners == owner)
-        near, vertices = _nearest(union.places[own], at[rows], union.mesh)
+        near, vertices = nearest_places(union.places[own], at[rows], reach)
         positions[rows[near]] = union.mesh.vertices[own[vertices]]
         found[rows[near]] = True
     return positions, found
@@ -158,20 +156,11 @@ def _give_way(join: Join, owners: Ints, at: Floats) -> None:
     own, there = origins(join.second, question.part)
     others, further = origins(join.first, question.full)
     feet = place.trip.points.nearest_vertices(question.full.mesh)
+    reach = LAYER * join.second.mesh.mean_edge_length
     for owner in np.intersect1d(np.unique(owners), own):
         surface, rows = np.flatnonzero(own == owner), np.flatnonzero(owners == owner)
-        near, vertices = _nearest(there[surface], at[rows], join.second.mesh)
+        near, vertices = nearest_places(there[surface], at[rows], reach)
         shared = place.shared[surface[vertices]]
         lying = feet[surface[vertices[shared]]]
         gone = rows[near][shared]
         owners[gone], at[gone] = others[lying], further[lying]
-
-
-def _nearest(known: Floats, asked_for: Floats, mesh: TriangleMesh) -> tuple[Bools, Ints]:
-    """Which places (q, 3) have a known one (k, 3) near, and of these the nearest."""
-    if not len(known):
-        return np.zeros(len(asked_for), dtype=bool), np.empty(0, dtype=np.int64)
-    reach = LAYER * mesh.mean_edge_length
-    away, nearest = cKDTree(known).query(asked_for, distance_upper_bound=reach)
-    near: Bools = np.isfinite(away)
-    return near, np.asarray(nearest, dtype=np.int64)[near]

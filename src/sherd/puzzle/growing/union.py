@@ -29,7 +29,7 @@ from sherd.scan.intake import scan_intake
 from sherd.scan.surface_from_points import surface_from_points
 from sherd.surface.described import DescribedSurface
 
-__all__ = ["LAYER", "Join", "Union", "origins", "united"]
+__all__ = ["LAYER", "Join", "Union", "larger_first", "origins", "united"]
 
 # In edges of the first piece. What lies over its inside, and no farther off, is a second layer of
 # the same skin: farther off it is something that only comes near.
@@ -84,6 +84,11 @@ class Join:
     first: Union
     second: Union
     met: Meeting
+
+
+def larger_first(one: Union, other: Union) -> tuple[Union, Union]:
+    """Both as they are asked; the first of two alike ones stays the first."""
+    return (other, one) if other.mesh.area > one.mesh.area else (one, other)
 
 
 def united(join: Join) -> Union:

@@ -85,17 +85,7 @@ def meeting(
     describe
         Describes a surface where nothing is known; it may recall one.
     """
-    unit = max(first.length, second.length)
-    if len(known):
-        surfaces = (
-            described_part(first, unit, sampled_at=known[:, 0]),
-            described_part(second, unit, sampled_at=known[:, 1]),
-        )
-    else:
-        surfaces = (describe(first, unit), describe(second, unit))
-    for surface in surfaces:
-        prepare_both_ways(surface)
-    described = surfaces
+    surfaces = described = _described(first, second, known, describe)
     free = None if taken is None else free_vertices(surfaces[0], first, taken)
     if free is not None and free[surfaces[0].sparse.vertices].any():
         known = known[free[surfaces[0].working.working_vertices(known[:, 0])]]
@@ -116,11 +106,25 @@ def glance(
 
     A third of the time where that is not sure, and as much where it is.
     """
+    surfaces = _described(first, second, NOTHING_KNOWN, describe)
+    return _Asked.of(surfaces, seed, NOTHING_KNOWN, None).first_answer()
+
+
+def _described(
+    first: TriangleMesh, second: TriangleMesh, known: Ints, describe: Describe
+) -> Both[DescribedSurface]:
+    """Both in units of the larger one, ready to be asked; sampled at what is known."""
     unit = max(first.length, second.length)
-    surfaces = (describe(first, unit), describe(second, unit))
+    if len(known):
+        surfaces = (
+            described_part(first, unit, sampled_at=known[:, 0]),
+            described_part(second, unit, sampled_at=known[:, 1]),
+        )
+    else:
+        surfaces = (describe(first, unit), describe(second, unit))
     for surface in surfaces:
         prepare_both_ways(surface)
-    return _Asked.of(surfaces, seed, NOTHING_KNOWN, None).first_answer()
+    return surfaces
 
 
 def _mirrored_answer(surfaces: Both[DescribedSurface], seed: int) -> Meeting:
