@@ -32,6 +32,7 @@ class Answer:
     chance: float
     twin: bool = False
     by_skin: float = 0.0
+    filling: float = 0.0
 
 
 def no_twins(first: Union, second: Union) -> None:
@@ -43,8 +44,8 @@ def ways(meet: Any, across: Any = no_twins) -> Asking:
     return Asking(meet, meet, meet, across)
 
 
-def answer(chance: float, *, twin: bool = False, by_skin: float = 0.0) -> Any:
-    return Answer(chance, twin, by_skin)
+def answer(chance: float, *, twin: bool = False, by_skin: float = 0.0, filling: float = 0.0) -> Any:
+    return Answer(chance, twin, by_skin, filling)
 
 
 @pytest.fixture(autouse=True)
@@ -63,6 +64,7 @@ def _joined_without_geometry(monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.setattr(room, "recalled", lambda join, first, second: np.array([[7, 7]]))
         leave_out(monkeypatch, room, lambda before, join: 0.0)
     monkeypatch.setattr(completion, "_lies_within", lambda join: False)
+    monkeypatch.setattr(completion, "laid_as_before", lambda *_: None)
     for room in (growth, asking, record):
         monkeypatch.setattr(room, "taken_by", lambda join, union: np.array([True]))
     crowd(monkeypatch, lambda one, other: 0.0)
@@ -345,6 +347,40 @@ def test_at_last_the_skin_alone_makes_an_answer_likely(by_skin, twin, joined) ->
     found = grown(pieces(3), np.ones((3, 3)), ways(meet))
     assert max(map(len, found.groups)) == joined
     assert [join.met.chance for join in found.last] == [by_skin] * (joined - 2)
+
+
+@pytest.mark.parametrize(
+    ("filling", "fills", "joined"), [(0.6, True, 3), (0.6, False, 2), (0.4, True, 2)]
+)
+def test_at_last_what_fills_a_gap_is_laid_there(filling, fills, joined, monkeypatch) -> None:
+    """Though it was not likely, and the group does not find it."""
+
+    def meet(first: Union, second: Union, known: Ints, taken: Bools | None) -> Any:
+        if second.members == (1,):
+            return answer(0.95)
+        return answer(0.1, filling=filling if first.members == (0,) else 0.0)
+
+    def laid_as_before(before: Join, first: Union, second: Union, *_: Any) -> Join:
+        assert before.met.chance == filling
+        return Join(first, second, before.met)
+
+    monkeypatch.setattr(completion, "laid_as_before", laid_as_before)
+    monkeypatch.setattr(completion, "_fills_a_gap", lambda join: fills)
+    found = grown(pieces(3), np.ones((3, 3)), ways(meet))
+    assert max(map(len, found.groups)) == joined
+    assert [join.met.chance for join in found.last] == [filling] * (joined - 2)
+
+
+def test_of_two_that_fill_one_gap_none_is_laid_there(monkeypatch) -> None:
+    crowd(monkeypatch, lambda one, other: 0.9)
+
+    def meet(first: Union, second: Union, known: Ints, taken: Bools | None) -> Any:
+        alone = first.members == (0,) and second.members in ((1,), (2,))
+        return answer(0.1, filling=0.6 if alone else 0.0)
+
+    monkeypatch.setattr(completion, "_fills_a_gap", lambda join: True)
+    found = grown(pieces(3), np.ones((3, 3)), ways(meet))
+    assert not found.last
 
 
 def test_nothing_likely_is_joined_where_another_one_likely_lies(monkeypatch) -> None:

@@ -13,10 +13,17 @@ from scipy.spatial import cKDTree
 from sherd.arrays import Bools, Floats, Ints
 from sherd.puzzle.growing import members
 from sherd.puzzle.growing.asking import Asking
-from sherd.puzzle.growing.members import ask_members, carried, told_by, told_by_members
+from sherd.puzzle.growing.members import (
+    ask_members,
+    carried,
+    laid_as_before,
+    told_by,
+    told_by_members,
+)
 from sherd.puzzle.growing.record import Growth
 from sherd.puzzle.growing.union import Join, Union, united
 from sherd.puzzle.pairwise.body import Body, Told
+from sherd.puzzle.pairwise.join_chance import fills_a_gap
 from sherd.shapes import creature, cut_by_ball, landmarks, whole
 from sherd.shapes.fragment import Fragment
 
@@ -125,6 +132,37 @@ def test_where_a_member_is_sure_the_union_is_joined_there(cut, alone, halves, le
     # nobody is asked twice
     ask_members(union, alone[2], np.ones((3, 3)), asking, growth)
     assert len(asked) == 1
+
+
+def test_what_goes_on_all_around_fills_a_gap(halves) -> None:
+    met = halves.met
+    assert fills_a_gap(met.questions, met.placements)
+    left = [q.part.mesh.vertices[:, 2] > 0.0 for q in met.questions]
+    half = tuple(
+        replace(place, shared=place.shared & side)
+        for place, side in zip(met.placements, left, strict=True)
+    )
+    assert not fills_a_gap(met.questions, half)
+
+
+def test_what_lies_within_fills_no_gap(leg) -> None:
+    assert not fills_a_gap(leg.met.questions, leg.met.placements)
+
+
+def test_what_a_union_said_is_laid_on_one_that_has_it(cut, alone, halves, leg) -> None:
+    """The leg on the rear alone, and then on the front and the rear; both of one union."""
+    union = united(halves)
+    growth = Growth(alone, alone[0], joins=[halves])
+    asking = Asking(laid, laid, laid, no_twins)
+    first = laid_as_before(leg, union, alone[2], asking, growth)
+    assert first is not None
+    again = laid_as_before(first, union, alone[2], asking, growth)
+    assert again is not None
+    told = told_by(first, union, alone[2], growth.joins)
+    assert told.known.mean() > 0.8
+    off = on_full(cut, union, told.positions[told.known])
+    off -= cut[2].truth.positions(cut[2].full)[told.known]
+    assert np.linalg.norm(off, axis=1).mean() / cut[2].full.length < 0.015
 
 
 def no_twins(first: Union, second: Union) -> None:

@@ -66,6 +66,8 @@ def asked(first: Union, second: Union, meet: Meet, growth: Growth) -> Join:
         growth.likely.append(join)
     elif join.met.by_skin >= LIKELY and not join.met.twin:
         growth.by_skin.append(replace(join, met=replace(join.met, chance=join.met.by_skin)))
+    elif join.met.filling >= LIKELY and not join.met.twin:
+        growth.filling.append(replace(join, met=replace(join.met, chance=join.met.filling)))
     return join
 
 

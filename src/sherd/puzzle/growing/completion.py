@@ -1,31 +1,34 @@
 """What is likely when nothing is sure any more: the last limbs, each of which is seen at its joint.
 
 While groups grow only what is sure is joined, since a wrong piece draws others after it. At the end
-nothing follows, so what is more likely right than not belongs, unless something contradicts it; and
-then who is still alone is asked whether the largest group has its twin.
+nothing follows, so what is more likely right than not belongs, unless something contradicts it.
+What fills a gap of the group needs less to be likely. And then who is still alone is asked whether
+the largest group has its twin.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import combinations
 
-from sherd.puzzle.growing.asking import LIKELY, Asking, Meet
+from sherd.puzzle.growing.asking import LIKELY, Asking
 from sherd.puzzle.growing.common_places import crowding, left_out, recalled
+from sherd.puzzle.growing.members import laid_as_before
 from sherd.puzzle.growing.record import CROWD, Growth, chance_of
 from sherd.puzzle.growing.union import Join, Union, larger_first, united
-from sherd.puzzle.pairwise.join_chance import lies_within
+from sherd.puzzle.pairwise.join_chance import fills_a_gap, lies_within
 
 __all__ = ["completed"]
 
 
 def completed(groups: Sequence[Union], asking: Asking, growth: Growth) -> list[Union]:
     """Groups, joined where that was found likely, then where the largest one has their twins."""
-    return _with_twins(_with_likely(groups, asking.meet, growth), asking, growth)
+    likely = _with_likely(groups, asking, growth)
+    return _with_twins(_with_filled(likely, asking, growth), asking, growth)
 
 
-def _with_likely(groups: Sequence[Union], meet: Meet, growth: Growth) -> list[Union]:
+def _with_likely(groups: Sequence[Union], asking: Asking, growth: Growth) -> list[Union]:
     """Groups, joined where that was found likely and is not contradicted; the likeliest first.
 
     Of what was likely of parts the whole may see less, as the more of a union is carried along the
@@ -35,14 +38,34 @@ def _with_likely(groups: Sequence[Union], meet: Meet, growth: Growth) -> list[Un
     While groups grow the skin alone is not believed where few places lead, as of other people few
     do. That refuses right answers as well, and of 300 at last no wrong one more (docs/method.md).
     """
-    found = list(groups)
     growth.likely += growth.by_skin
-    for before in sorted(growth.likely, key=chance_of, reverse=True):
+    return _with_what_lies(growth.likely, _of_groups, groups, asking, growth)
+
+
+def _with_filled(groups: Sequence[Union], asking: Asking, growth: Growth) -> list[Union]:
+    """Groups, joined where one fills a gap of another one; the likeliest first.
+
+    While others are missing a gap has no border yet, so that is asked of the groups at last.
+    """
+    growth.likely += growth.filling
+    return _with_what_lies(growth.filling, _in_a_gap, groups, asking, growth)
+
+
+def _with_what_lies(
+    answers: Sequence[Join],
+    lying: Callable[[Join, Union, Union, Asking, Growth], Join | None],
+    groups: Sequence[Union],
+    asking: Asking,
+    growth: Growth,
+) -> list[Union]:
+    """Groups, joined where earlier answers lie there as well, by `lying`; the likeliest first."""
+    found = list(groups)
+    for before in sorted(answers, key=chance_of, reverse=True):
         first, second = larger_first(_with(found, before.first), _with(found, before.second))
         # what is cheap to know is looked at before groups are asked again
-        if first is second or _lies_within(before) or _has_another(before, growth):
+        if first is second or _lies_within(before):
             continue
-        join = _of_groups(before, first, second, meet, growth)
+        join = lying(before, first, second, asking, growth)
         if join is None or _lies_within(join) or _contradicted(join, before, found, growth):
             continue
         found = _joined(found, join, growth)
@@ -91,17 +114,39 @@ def _with(groups: Sequence[Union], part: Union) -> Union:
 
 
 def _of_groups(
-    before: Join, first: Union, second: Union, meet: Meet, growth: Growth
+    before: Join, first: Union, second: Union, asking: Asking, growth: Growth
 ) -> Join | None:
-    """What was said of parts, of the groups that have them; None if these do not lie there."""
+    """What was said of parts, of the groups that have them; None if these do not lie there.
+
+    If groups do not find it again they may be laid there, where that fills a gap.
+    """
+    if _has_another(before, growth):
+        return None
     if {before.first, before.second} == {first, second}:
         return before
     known = recalled(before, first, second)
-    if not len(known):
+    if len(known):
+        met = asking.meet(first, second, known, growth.taken(first, second))
+        join = Join(first, second, replace(met, chance=max(met.chance, before.met.chance)))
+        if left_out(before, join) <= CROWD:
+            return join
+    return _in_a_gap(before, first, second, asking, growth)
+
+
+def _in_a_gap(
+    before: Join, first: Union, second: Union, asking: Asking, growth: Growth
+) -> Join | None:
+    """Groups laid as parts of them were; None if that fills no gap."""
+    asked = {before.first, before.second} == {first, second}
+    join = before if asked else laid_as_before(before, first, second, asking, growth)
+    if join is None or join.met.chance < LIKELY:
         return None
-    met = meet(first, second, known, growth.taken(first, second))
-    join = Join(first, second, replace(met, chance=max(met.chance, before.met.chance)))
-    return join if left_out(before, join) <= CROWD else None
+    return join if _fills_a_gap(join) else None
+
+
+def _fills_a_gap(join: Join) -> bool:
+    """Whether each goes on all around where the other one ends."""
+    return fills_a_gap(join.met.questions, join.met.placements)
 
 
 def _lies_within(join: Join) -> bool:

@@ -17,7 +17,7 @@ import numpy as np
 
 from sherd.arrays import Bools, Floats, Ints
 from sherd.correspondence.confidence import LEAST
-from sherd.correspondence.shared.two_way_placement import CLOSED
+from sherd.correspondence.shared.two_way_placement import CLOSED, SharedPlacement
 from sherd.mesh.surface_points import closest_points
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.puzzle.growing.asking import LIKELY, Asking, against, asked, unless_strangers
@@ -27,8 +27,9 @@ from sherd.puzzle.growing.union import LAYER, Join, Union, larger_first, origins
 from sherd.puzzle.pairwise.answer import JOINED
 from sherd.puzzle.pairwise.body import Told
 from sherd.puzzle.pairwise.join_chance import ends_with_one
+from sherd.surface.described import DescribedSurface
 
-__all__ = ["ask_members", "carried", "told_by", "told_by_members"]
+__all__ = ["ask_members", "carried", "laid_as_before", "told_by", "told_by_members"]
 
 # Of two unions so many pairs of members are asked, those that cheap evidence ranks first. Of seven
 # pieces these are nearly all, and a pair costs a third of a question; of a dozen the right one is
@@ -68,15 +69,32 @@ def told_by_members(first: Union, second: Union, asking: Asking, growth: Growth)
         sides = {before.first.members[0], before.second.members[0]}
         if not (sides & set(first.members) and sides & set(second.members)):
             continue
-        join = _laid(before, first, second, asking, growth)
+        join = _uncontradicted(before, first, second, asking, growth)
         if join is not None and join.met.chance >= JOINED:
             growth.told[first.members, second.members] = before
             return join
     return None
 
 
-def _laid(before: Join, first: Union, second: Union, asking: Asking, growth: Growth) -> Join | None:
-    """Both unions laid on each other as members were; None if these do not lie there then."""
+def _uncontradicted(
+    before: Join, first: Union, second: Union, asking: Asking, growth: Growth
+) -> Join | None:
+    join = laid_as_before(before, first, second, asking, growth)
+    if join is None or any(laid_there(join, place, loser) for place, loser in growth.settled):
+        return None
+    for each in growth.likely_before(first, second):
+        if each is not before and left_out(each, join) > CROWD:
+            return against(join, each)
+    return join
+
+
+def laid_as_before(
+    before: Join, first: Union, second: Union, asking: Asking, growth: Growth
+) -> Join | None:
+    """Two unions laid on each other as parts of them were; None if these do not lie there then.
+
+    As likely as that was, and that what they share ends where one of both does.
+    """
     told = told_by(before, first, second, growth.joins)
     if not told.known.any():
         return None
@@ -85,47 +103,68 @@ def _laid(before: Join, first: Union, second: Union, asking: Asking, growth: Gro
         return None
     chance = before.met.chance * ends_with_one(met.questions, met.placements)
     join = Join(first, second, replace(met, chance=max(chance, LEAST)))
-    if left_out(before, join) > CROWD:
-        return None
-    if any(laid_there(join, place, loser) for place, loser in growth.settled):
-        return None
-    for each in growth.likely_before(first, second):
-        if each is not before and left_out(each, join) > CROWD:
-            return against(join, each)
-    return join
+    return None if left_out(before, join) > CROWD else join
 
 
 def told_by(before: Join, first: Union, second: Union, joins: Sequence[Join]) -> Told:
-    """Where a union lies on another one, as a member of each lies on the other's.
+    """Where a union lies on another one, as a part of each lies on the other's.
 
     Parameters
     ----------
     before
-        Of two pieces.
+        Of two pieces, or unions.
     first, second
-        Unions that have them, one each.
+        Unions that have their members, one each.
     joins
         What the unions were made by, in that order.
     """
-    side = 0 if before.second.members[0] in second.members else 1
+    side = 0 if set(before.second.members) <= set(second.members) else 1
     part, full = (before.second, before.first) if side == 0 else (before.first, before.second)
     question, place = before.met.questions[side], before.met.placements[side]
     meets = place.shared & (place.trip.gap <= CLOSED)
-    _, there = origins(full, question.full)
-    corners = question.full.mesh.faces[place.trip.points.faces]
-    feet = np.einsum("pk,pkx->px", place.trip.points.barycentric, there[corners])
-    positions, found = carried(feet, full.members[0], first, joins)
-    _, own = origins(part, question.part)
-    chart = TriangleMesh(own, question.part.mesh.faces)
-    rows = np.flatnonzero(second.owner == part.members[0])
-    at = closest_points(chart, second.places[rows])
-    off = np.linalg.norm(at.positions(chart) - second.places[rows], axis=1)
-    known = (off < LAYER * chart.mean_edge_length) & (meets & found)[chart.faces[at.faces]].all(1)
+    positions, found = _feet(place, full, question.full, first, joins)
+    owners, own = origins(part, question.part)
     told = np.array(second.mesh.vertices)
-    told[rows] = at.interpolate(chart, positions)
     everywhere = np.zeros(len(told), dtype=bool)
-    everywhere[rows[known]] = True
+    for piece in part.members:
+        faces = question.part.mesh.faces
+        faces = faces[(owners[faces] == piece).all(axis=1)]
+        rows = np.flatnonzero(second.owner == piece)
+        if not len(faces) or not len(rows):
+            continue
+        chart = TriangleMesh(own, faces)
+        at = closest_points(chart, second.places[rows])
+        off = np.linalg.norm(at.positions(chart) - second.places[rows], axis=1)
+        known = off < LAYER * chart.mean_edge_length
+        known &= (meets & found)[chart.faces[at.faces]].all(axis=1)
+        told[rows] = at.interpolate(chart, positions)
+        everywhere[rows[known]] = True
     return Told(told, everywhere)
+
+
+def _feet(
+    place: SharedPlacement,
+    full: Union,
+    surface: DescribedSurface,
+    union: Union,
+    joins: Sequence[Join],
+) -> tuple[Floats, Bools]:
+    """Positions (n, 3) on a union of where a part was laid on one it has, and which are known.
+
+    A place between pieces is that of the nearest corner.
+    """
+    owners, there = origins(full, surface)
+    corners = surface.mesh.faces[place.trip.points.faces]
+    weights = place.trip.points.barycentric
+    lead = corners[np.arange(len(corners)), weights.argmax(axis=1)]
+    alike = (owners[corners] == owners[lead][:, None]).all(axis=1)
+    feet = np.where(alike[:, None], np.einsum("pk,pkx->px", weights, there[corners]), there[lead])
+    positions = np.zeros_like(feet)
+    found = np.zeros(len(feet), dtype=bool)
+    for piece in full.members:
+        rows = np.flatnonzero(owners[lead] == piece)
+        positions[rows], found[rows] = carried(feet[rows], piece, union, joins)
+    return positions, found
 
 
 def carried(

@@ -40,6 +40,8 @@ class Growth:
         What was more likely right than not when it was asked.
     by_skin
         What was, by the skin that is shared alone, with that chance.
+    filling
+        What is by the skin alone if it fills a gap of what is joined at last, with that chance.
     groups
         The members of each union at the end.
     chances
@@ -66,6 +68,7 @@ class Growth:
     sure: list[Join] = field(default_factory=list)
     likely: list[Join] = field(default_factory=list)
     by_skin: list[Join] = field(default_factory=list)
+    filling: list[Join] = field(default_factory=list)
     groups: list[tuple[int, ...]] = field(default_factory=list)
     chances: dict[tuple[tuple[int, ...], tuple[int, ...]], float] = field(default_factory=dict)
     of_members: dict[tuple[tuple[int, ...], tuple[int, ...]], float] = field(default_factory=dict)
@@ -112,11 +115,13 @@ class Growth:
         self.sure = [each for each in self.sure if not laid_there(each, join, loser)]
         self.likely = [each for each in self.likely if not laid_there(each, join, loser)]
         self.by_skin = [each for each in self.by_skin if not laid_there(each, join, loser)]
+        self.filling = [each for each in self.filling if not laid_there(each, join, loser)]
 
     def forget(self, join: Join) -> None:
         """Forget that what was said of two unions was likely."""
         self.likely = [each for each in self.likely if not _same(each, join)]
         self.by_skin = [each for each in self.by_skin if not _same(each, join)]
+        self.filling = [each for each in self.filling if not _same(each, join)]
 
 
 def _same(one: Join, other: Join) -> bool:

@@ -43,6 +43,8 @@ class Meeting:
         The chance by the skin alone that is shared where it slid to; 0 where nothing slid.
     fitting
         That by all but reliefs.
+    filling
+        By the skin alone if it fills a gap of a body, where reliefs may be a little less alike.
     leads
         Whether so many places lead that it may lie there, or beside its place.
     """
@@ -54,6 +56,7 @@ class Meeting:
     twin: bool
     by_skin: float = 0.0
     fitting: float = 0.0
+    filling: float = 0.0
     leads: bool = False
 
 

@@ -22,6 +22,7 @@ from sherd.correspondence.shared.judgment import MIRROR_CHANCE
 from sherd.correspondence.shared.likeness import Likeness
 from sherd.correspondence.shared.relief_correlation import alike_in_relief
 from sherd.correspondence.shared.two_way_placement import SharedPlacement
+from sherd.mesh.border_loops import border_loops
 from sherd.results.advice import SURE
 from sherd.surface.transformed import mirrored, sampled_within
 
@@ -30,6 +31,7 @@ __all__ = [
     "above",
     "ends_with_one",
     "enough_lead",
+    "fills_a_gap",
     "fits_a_twin",
     "join_chance",
     "join_features",
@@ -45,6 +47,10 @@ INSIDE = 0.03
 # it ends everywhere, rightly or wrongly. Wrong answers have a fifth of their rim inside both, on
 # average (81 questions of seven puzzles).
 WITHIN, UNTOLD = 0.95, 0.2
+# What fills a gap has so much of each border that it reaches over; what it has less of than the
+# other it only touches. Right answers have more than 0.98 of the one, or, of pieces between which
+# another one is missing, 0.2 to 0.7.
+FILLED, TOUCHED = 0.9, 0.15
 # Between the shares of the rim that lie inside both, where an answer finally lies. Of 26 right ones
 # to five puzzles 0.0 in all but two, which have 0.03 and 0.07; pieces of a horse that lie right and
 # share two thirds of what they could have 0.20 to 0.23. A cat's left foreleg on its right one,
@@ -124,6 +130,29 @@ def lies_within(questions: Both[Question], placements: Both[SharedPlacement]) ->
     """Whether one of two pieces lies within the other, but for slivers along its cut."""
     both = zip(questions, placements, strict=True)
     return max(_mean_share(*each) for each in both) > WITHIN
+
+
+def fills_a_gap(questions: Both[Question], placements: Both[SharedPlacement]) -> bool:
+    """Whether each of two pieces goes on all around where the other one ends.
+
+    As a limb does on a body that lacks it: what is shared has whole borders of both.
+    """
+    both = zip(questions, placements, strict=True)
+    return not lies_within(questions, placements) and all(_has_borders(*each) for each in both)
+
+
+def _has_borders(question: Question, place: SharedPlacement) -> bool:
+    """Whether what is shared has all of the borders of a piece that it reaches over, and any."""
+    mesh = question.part.mesh
+    length, reached = 0.0, 0.0
+    for loop in border_loops(mesh.faces):
+        points = mesh.vertices[loop]
+        sides = np.linalg.norm(points - np.roll(points, -1, axis=0), axis=1)
+        shared = float(sides @ place.shared[loop])
+        if shared > TOUCHED * sides.sum():
+            length += float(sides.sum())
+            reached += shared
+    return reached > FILLED * length
 
 
 def fits_a_twin(features: Floats) -> bool:

@@ -209,7 +209,16 @@ def _answer(
         skin = chance_as_it_lies(questions, placements, likeness)
     twin = fits_a_twin(features) or skin.turned
     chance, leads = join_chance(features), enough_lead(features)
-    met = Meeting(questions, queries, placements, chance, twin, fitting=skin.fitting, leads=leads)
+    met = Meeting(
+        questions,
+        queries,
+        placements,
+        chance,
+        twin,
+        fitting=skin.fitting,
+        filling=skin.filling,
+        leads=leads,
+    )
     return _slid(met, skin) if may_be_right(features) or skin.fitting >= LIKELY else met
 
 
@@ -237,7 +246,14 @@ def _slid(met: Meeting, skin: SlidChance) -> Meeting:
 def _judged(met: Meeting, said: SlidChance) -> Meeting:
     """What lies where skin made it sure is not laid on its twin."""
     twin = met.twin and said.chance < JOINED
-    return replace(met, chance=said.chance, twin=twin, by_skin=said.by_skin, fitting=said.fitting)
+    return replace(
+        met,
+        chance=said.chance,
+        twin=twin,
+        by_skin=said.by_skin,
+        fitting=said.fitting,
+        filling=said.filling,
+    )
 
 
 def free_vertices(surface: DescribedSurface, mesh: TriangleMesh, taken: Bools) -> Bools:

@@ -66,6 +66,10 @@ OWN_SKIN, OWN_STEP = 0.85, 0.01
 # -0.1 of its log odds). Limbs of other people, strained by 0.05 on a limb as long, are not in it:
 # they have up to 0.8, in the same pose up to 0.997.
 SLID_COEFFICIENTS = (-14.9, 12.8, 3.6, -6.0, 6.3)
+# What fills a gap of the body may be less alike in relief by this. Right answers that only that
+# refuses are at -0.03, 0.00 and 0.03, of three puzzles; the most alike wrong ones, as likely by all
+# else, at -0.09 and -0.25, which fill a gap, -0.05, and -0.07 (a horse's leg on a lion).
+SPARED_IN_A_GAP = 0.04
 # What lies within the other has no border there to tell by, so it must be as sure by its skin as
 # one's own is: two parts of other people, in the same pose, have 0.86 and 0.89, a half of the
 # generated animal 0.995. Three steps to either, and more.
@@ -95,6 +99,8 @@ class SlidChance:
         and whether one piece lies within the other. 0 where too little is shared to be judged.
     fitting
         That by all but reliefs, of which a small place has too few bumps.
+    filling
+        That by the skin alone if it fills a gap.
     turned
         Whether it lies on its twin: within the other, with reliefs alike, but more like mirrored.
     """
@@ -102,6 +108,7 @@ class SlidChance:
     chance: float
     by_skin: float
     fitting: float = 0.0
+    filling: float = 0.0
     turned: bool = False
 
 
@@ -120,7 +127,8 @@ def chance_as_it_lies(
     within = lies_within(questions, placements)
     led = 0.0 if within else skin.led
     turned = within and skin.alike >= 0.0 and skin.handed < TURNED
-    return SlidChance(float(np.clip(led, LEAST, MOST)), skin.by_skin, skin.fitting, turned)
+    chance = float(np.clip(led, LEAST, MOST))
+    return SlidChance(chance, skin.by_skin, skin.fitting, skin.filling, turned)
 
 
 def chance_where_it_slid(
@@ -147,7 +155,8 @@ def chance_where_it_slid(
         chance = before * above(skin.by_skin, OWN_WITHIN, WITHIN_STEP)
     else:
         chance = max(before * above(skin.alike, -SPARED, UNLIKE_STEP), skin.led)
-    return SlidChance(float(np.clip(chance, LEAST, MOST)), skin.by_skin, skin.fitting)
+    chance = float(np.clip(chance, LEAST, MOST))
+    return SlidChance(chance, skin.by_skin, skin.fitting, skin.filling)
 
 
 @dataclass(frozen=True)
@@ -185,6 +194,11 @@ class _Skin:
     def by_skin(self) -> float:
         """The same with reliefs."""
         return self.fitting * above(self.alike, 0.0, UNLIKE_STEP)
+
+    @property
+    def filling(self) -> float:
+        """The same of what fills a gap, where reliefs may be a little less alike."""
+        return self.fitting * above(self.alike, -SPARED_IN_A_GAP, UNLIKE_STEP)
 
     @property
     def led(self) -> float:
