@@ -23,7 +23,7 @@ from sherd.puzzle.growing.members import (
 from sherd.puzzle.growing.record import Growth
 from sherd.puzzle.growing.union import Join, Union, united
 from sherd.puzzle.pairwise.body import Body, Told
-from sherd.puzzle.pairwise.join_chance import fills_a_gap
+from sherd.puzzle.pairwise.join_chance import ends_with_one, fills_a_gap
 from sherd.shapes import creature, cut_by_ball, landmarks, whole
 from sherd.shapes.fragment import Fragment
 
@@ -143,6 +143,16 @@ def test_what_goes_on_all_around_fills_a_gap(halves) -> None:
         for place, side in zip(met.placements, left, strict=True)
     )
     assert not fills_a_gap(met.questions, half)
+
+
+def test_who_goes_on_beyond_the_other_crosses_its_border(halves) -> None:
+    met = halves.met
+    assert ends_with_one(met.questions, met.placements) > 0.95
+    inside = tuple(
+        replace(place, shared=place.shared & (question.part.cut_distance > 0.0))
+        for question, place in zip(met.questions, met.placements, strict=True)
+    )
+    assert ends_with_one(met.questions, inside) < 0.01
 
 
 def test_what_lies_within_fills_no_gap(leg) -> None:

@@ -23,6 +23,7 @@ from sherd.correspondence.shared.likeness import Likeness
 from sherd.correspondence.shared.relief_correlation import alike_in_relief
 from sherd.correspondence.shared.two_way_placement import SharedPlacement
 from sherd.mesh.border_loops import border_loops
+from sherd.mesh.topology import boundary_edges
 from sherd.results.advice import SURE
 from sherd.surface.transformed import mirrored, sampled_within
 
@@ -42,6 +43,8 @@ __all__ = [
 ]
 
 # A rim that is farther from the borders of both pieces than a spacing of labels ends inside both.
+# And who goes on beyond the other crosses as much of its border: some 130 right answers to 18
+# puzzles share 0.10 of it and more, a lion's leg on another leg, of which half is shared, nothing.
 INSIDE = 0.03
 # A piece that lies within another but for slivers along its cut has no rim there that could tell:
 # it ends everywhere, rightly or wrongly. Wrong answers have a fifth of their rim inside both, on
@@ -226,10 +229,30 @@ def _mean_share(question: Question, place: SharedPlacement) -> float:
 
 
 def _inside_share(questions: Both[Question], placements: Both[SharedPlacement]) -> float:
-    """The share of the rim of what is shared that lies inside both pieces; 0 without a rim."""
-    both = zip(questions, placements, strict=True)
+    """The share of the rim of what is shared that lies inside both pieces; 0 without a rim.
+
+    All of it where one goes on beyond the other and crosses no border of it.
+    """
+    both = tuple(zip(questions, placements, strict=True))
+    if any(_goes_on(*both[side]) and _border(*both[1 - side]) < INSIDE for side in (0, 1)):
+        return 1.0
     inside = np.concatenate([_rim_inside(*each) for each in both])
     return float(inside.mean()) if len(inside) else 0.0
+
+
+def _goes_on(question: Question, place: SharedPlacement) -> bool:
+    """Whether more of a piece than slivers along its cut is not shared."""
+    mesh = question.part.mesh
+    beyond = ~place.shared & (question.part.cut_distance > INSIDE)
+    return bool(mesh.vertex_areas @ beyond > (1.0 - WITHIN) * mesh.area)
+
+
+def _border(question: Question, place: SharedPlacement) -> float:
+    """How much of the border of a piece is shared, as a length."""
+    mesh = question.part.mesh
+    border = boundary_edges(mesh.faces)
+    ends = mesh.vertices[border[place.shared[border].all(axis=1)]]
+    return float(np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1).sum())
 
 
 def _rim_inside(question: Question, place: SharedPlacement) -> Ints:
