@@ -349,6 +349,22 @@ def test_at_last_the_skin_alone_makes_an_answer_likely(by_skin, twin, joined) ->
     assert [join.met.chance for join in found.last] == [by_skin] * (joined - 2)
 
 
+def test_what_the_completed_group_is_sure_of_is_no_surer_than_what_completed_it() -> None:
+    def meet(first: Union, second: Union, known: Ints, taken: Bools | None) -> Any:
+        if second.members == (1,):
+            return answer(0.95)
+        if second.members == (2,):
+            return answer(0.6)
+        return answer(0.9 if set(first.members) == {0, 1, 2} else 0.1)
+
+    found = grown(pieces(4), np.ones((4, 4)), ways(meet))
+    assert sorted(map(sorted, found.groups)) == [[0, 1, 2, 3]]
+    assert [(join.second.members, join.met.chance) for join in found.last] == [
+        ((2,), 0.6),
+        ((3,), 0.6),
+    ]
+
+
 @pytest.mark.parametrize(
     ("filling", "fills", "joined"), [(0.6, True, 3), (0.6, False, 2), (0.4, True, 2)]
 )

@@ -19,16 +19,15 @@ from sherd.puzzle.growing.record import CROWD, Growth, chance_of
 from sherd.puzzle.growing.union import Join, Union, larger_first, united
 from sherd.puzzle.pairwise.join_chance import fills_a_gap, lies_within
 
-__all__ = ["completed"]
+__all__ = ["with_likely", "with_twins"]
 
 
-def completed(groups: Sequence[Union], asking: Asking, growth: Growth) -> list[Union]:
-    """Groups, joined where that was found likely, then where the largest one has their twins."""
-    likely = _with_likely(groups, asking, growth)
-    return _with_twins(_with_filled(likely, asking, growth), asking, growth)
+def with_likely(groups: Sequence[Union], asking: Asking, growth: Growth) -> list[Union]:
+    """Groups, joined where that was found likely, then where one fills a gap of another."""
+    return _with_filled(_with_found(groups, asking, growth), asking, growth)
 
 
-def _with_likely(groups: Sequence[Union], asking: Asking, growth: Growth) -> list[Union]:
+def _with_found(groups: Sequence[Union], asking: Asking, growth: Growth) -> list[Union]:
     """Groups, joined where that was found likely and is not contradicted; the likeliest first.
 
     Of what was likely of parts the whole may see less, as the more of a union is carried along the
@@ -39,7 +38,9 @@ def _with_likely(groups: Sequence[Union], asking: Asking, growth: Growth) -> lis
     do. That refuses right answers as well, and of 300 at last no wrong one more (docs/method.md).
     """
     growth.likely += growth.by_skin
-    return _with_what_lies(growth.likely, _of_groups, groups, asking, growth)
+    growth.by_skin = []
+    found = [each for each in growth.likely if not any(each is one for one in growth.filling)]
+    return _with_what_lies(found, _of_groups, groups, asking, growth)
 
 
 def _with_filled(groups: Sequence[Union], asking: Asking, growth: Growth) -> list[Union]:
@@ -47,7 +48,8 @@ def _with_filled(groups: Sequence[Union], asking: Asking, growth: Growth) -> lis
 
     While others are missing a gap has no border yet, so that is asked of the groups at last.
     """
-    growth.likely += growth.filling
+    known = {id(each) for each in growth.likely}
+    growth.likely += [each for each in growth.filling if id(each) not in known]
     return _with_what_lies(growth.filling, _in_a_gap, groups, asking, growth)
 
 
@@ -72,7 +74,7 @@ def _with_what_lies(
     return found
 
 
-def _with_twins(groups: Sequence[Union], asking: Asking, growth: Growth) -> list[Union]:
+def with_twins(groups: Sequence[Union], asking: Asking, growth: Growth) -> list[Union]:
     """Groups, joined where one lies across from its twin in the largest; the likeliest first.
 
     Who was joined may have the place of who comes later, or its twin, so these are asked again. Two

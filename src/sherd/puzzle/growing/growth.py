@@ -4,18 +4,19 @@ Two small pieces share little with each other, and a left leg looks like a right
 of what is joined already a piece shares more, and its own place there looks more like it than
 its twin's. So what was asked of a smaller union is asked again before it is believed. But a twin
 that was joined may draw it away from its own place; what was sure before is then recalled. When
-nothing is sure any more, what is likely completes the groups.
+nothing is sure any more, what is likely completes the groups, and these are asked once more.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import cache
 
 from sherd.arrays import Floats
 from sherd.puzzle.growing.asking import LIKELY, Asking, Meet, asked, unless_strangers
 from sherd.puzzle.growing.common_places import crowding, laid_alike, taken_by
-from sherd.puzzle.growing.completion import completed
+from sherd.puzzle.growing.completion import with_likely, with_twins
 from sherd.puzzle.growing.joined_maps import open_loop
 from sherd.puzzle.growing.members import ask_members, told_by_members
 from sherd.puzzle.growing.record import CROWD, UNASKED, Growth, chance_of, odds_of
@@ -58,7 +59,38 @@ def grown(pieces: Sequence[Union], evidence: Floats, asking: Asking) -> Growth:
         How two of them, or two unions, are asked.
     """
     growth = Growth(pieces, max(pieces, key=lambda piece: piece.mesh.area))
-    growing = list(pieces)
+    found = _with_sure(pieces, evidence, asking, growth)
+    while True:
+        count = len(growth.joins)
+        found = with_likely(found, asking, growth)
+        if len(growth.joins) == count:
+            break
+        found = _with_what_follows(found, evidence, asking, growth)
+    growth.groups = [union.members for union in with_twins(found, asking, growth)]
+    return growth
+
+
+def _with_what_follows(
+    groups: Sequence[Union], evidence: Floats, asking: Asking, growth: Growth
+) -> list[Union]:
+    """Groups of which something is only likely, joined where that is sure then.
+
+    A last limb may share its joint with another last one. No surer than what it follows from.
+    """
+    count, least = len(growth.joins), min(map(chance_of, growth.last))
+    found = _with_sure(groups, evidence, asking, growth)
+    growth.last += [
+        replace(join, met=replace(join.met, chance=min(join.met.chance, least)))
+        for join in growth.joins[count:]
+    ]
+    return found
+
+
+def _with_sure(
+    groups: Sequence[Union], evidence: Floats, asking: Asking, growth: Growth
+) -> list[Union]:
+    """Groups, joined where that is sure; the largest one grows first."""
+    growing = list(groups)
     done: list[Union] = []
     while growing:
         here = max(growing, key=lambda union: union.mesh.area)
@@ -78,8 +110,7 @@ def grown(pieces: Sequence[Union], evidence: Floats, asking: Asking) -> Growth:
             (growing if union in growing else done).remove(union)
         growth.joins.append(partner)
         growing.append(united(partner))
-    growth.groups = [union.members for union in completed(done, asking, growth)]
-    return growth
+    return done
 
 
 def _surest(
