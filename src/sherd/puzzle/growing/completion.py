@@ -86,6 +86,9 @@ def with_twins(groups: Sequence[Union], asking: Asking, growth: Growth) -> list[
         largest, *others = sorted(found, key=lambda union: -union.mesh.area)
         if len(largest.members) == 1:
             return found
+        asked = growth.asked_across
+        others = [other for other in others if (largest.members, other.members) not in asked]
+        asked |= {(largest.members, other.members) for other in others}
         answers = [(other, asking.across(largest, other)) for other in others]
         joins = [
             Join(largest, other, met)

@@ -64,9 +64,11 @@ def grown(pieces: Sequence[Union], evidence: Floats, asking: Asking) -> Growth:
         count = len(growth.joins)
         found = with_likely(found, asking, growth)
         if len(growth.joins) == count:
+            found = with_twins(found, asking, growth)
+        if len(growth.joins) == count:
             break
         found = _with_what_follows(found, evidence, asking, growth)
-    growth.groups = [union.members for union in with_twins(found, asking, growth)]
+    growth.groups = [union.members for union in found]
     return growth
 
 

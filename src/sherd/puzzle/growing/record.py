@@ -34,6 +34,8 @@ class Growth:
         The last of them, made when nothing was sure any more.
     across
         The last of these, of what lies across from its twin.
+    asked_across
+        The members of both, of those that were asked whether they do.
     sure
         What could have been joined, too.
     likely
@@ -65,6 +67,7 @@ class Growth:
     joins: list[Join] = field(default_factory=list)
     last: list[Join] = field(default_factory=list)
     across: list[Join] = field(default_factory=list)
+    asked_across: set[tuple[tuple[int, ...], tuple[int, ...]]] = field(default_factory=set)
     sure: list[Join] = field(default_factory=list)
     likely: list[Join] = field(default_factory=list)
     by_skin: list[Join] = field(default_factory=list)
