@@ -79,7 +79,7 @@ def told_by_members(first: Union, second: Union, asking: Asking, growth: Growth)
 def _uncontradicted(
     before: Join, first: Union, second: Union, asking: Asking, growth: Growth
 ) -> Join | None:
-    """Both laid as members were, where nobody else has that place; less sure if it was elsewhere."""
+    """Both laid as members were, unless others have that place; less sure if it was elsewhere."""
     join = laid_as_before(before, first, second, asking, growth)
     if join is None or any(laid_there(join, place, loser) for place, loser in growth.settled):
         return None
