@@ -81,7 +81,9 @@ def on_full(cut: tuple[Fragment, ...], union: Union, at: Floats) -> Floats:
 def test_places_are_carried_also_where_a_piece_gave_way(cut, alone, halves) -> None:
     union = united(halves)
     rear = cut[1]
-    positions, found = carried(rear.mesh.vertices, 1, union, [halves])
+    positions, found = carried(
+        rear.mesh.vertices, np.full(rear.mesh.vertex_count, 1), union, [halves]
+    )
     assert found.mean() > 0.95
     gone = ~np.isin(np.arange(len(found)), _kept(union, rear))
     assert (found & gone).sum() > 50  # the belt that both have is the front's now

@@ -145,9 +145,14 @@ class TriangleMesh(FrozenState):
         return frozen(topology.named_vertices(self.faces, self.vertex_count))
 
     @cached_property
+    def boundary_edges(self) -> Ints:
+        """(b, 2) edges with one face only, lower index first."""
+        return frozen(topology.boundary_edges(self.faces))
+
+    @cached_property
     def boundary_vertices(self) -> Ints:
         """Indices of the vertices on an edge with one face only, ascending."""
-        return frozen(np.unique(topology.boundary_edges(self.faces)))
+        return frozen(np.unique(self.boundary_edges))
 
     @cached_property
     def component_labels(self) -> Ints:

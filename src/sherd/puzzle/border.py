@@ -10,7 +10,7 @@ from scipy.spatial import cKDTree
 
 from sherd.arrays import Bools, Floats, Ints
 from sherd.mesh.geometry import face_cross
-from sherd.mesh.topology import boundary_edges, renumbered
+from sherd.mesh.topology import renumbered
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.threads import cached_property
 
@@ -88,7 +88,7 @@ class BorderFit:
 
 def border_of(mesh: TriangleMesh, positions: Floats) -> Border:
     """The border of a working mesh whose vertices lie at `positions` (n', 3)."""
-    edges = boundary_edges(mesh.faces)
+    edges = mesh.boundary_edges
     if not len(edges):
         none = np.empty((0, 3))
         index = np.empty(0, dtype=np.int64)

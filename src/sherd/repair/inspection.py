@@ -219,7 +219,7 @@ def _piece_areas(mesh: TriangleMesh) -> Floats:
 def _rims_and_genus(mesh: TriangleMesh) -> tuple[int, int]:
     """Boundary loops and handles of a mesh without non-manifold edges or vertices."""
     rims = 0
-    border = topology.boundary_edges(mesh.faces)
+    border = mesh.boundary_edges
     if len(border):
         # every border vertex has two border edges, so connected border edges are one loop
         names, ends = topology.renumbered(border)

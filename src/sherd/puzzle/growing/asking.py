@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from sherd.arrays import Bools, Ints
 from sherd.correspondence.confidence import LEAST
@@ -65,9 +65,9 @@ def asked(first: Union, second: Union, meet: Meet, growth: Growth) -> Join:
     if join.met.chance >= LIKELY:
         growth.likely.append(join)
     elif join.met.by_skin >= LIKELY and not join.met.twin:
-        growth.by_skin.append(replace(join, met=replace(join.met, chance=join.met.by_skin)))
+        growth.by_skin.append(join.with_chance(join.met.by_skin))
     elif join.met.filling >= LIKELY and not join.met.twin:
-        growth.filling.append(replace(join, met=replace(join.met, chance=join.met.filling)))
+        growth.filling.append(join.with_chance(join.met.filling))
     return join
 
 
@@ -80,7 +80,7 @@ def unless_strangers(join: Join, growth: Growth) -> Join:
     if known or _common_area(join) >= BESIDE * growth.largest.mesh.area:
         return join
     growth.forget(join)
-    return replace(join, met=replace(join.met, chance=LEAST))
+    return join.with_chance(LEAST)
 
 
 def _common_area(join: Join) -> float:
@@ -145,7 +145,7 @@ def _uncontradicted(
 def against(join: Join, rival: Join) -> Join:
     """An answer that another one contradicts: of both places one is right, or none."""
     odds = odds_of(join) / (1.0 + odds_of(rival))
-    return replace(join, met=replace(join.met, chance=odds / (1.0 + odds)))
+    return join.with_chance(odds / (1.0 + odds))
 
 
 def _confirmed(join: Join, before: Join) -> Join:
@@ -158,4 +158,4 @@ def _confirmed(join: Join, before: Join) -> Join:
     if not repeated:
         return join
     odds = math.sqrt(odds_of(before) * odds_of(join))
-    return replace(join, met=replace(join.met, chance=odds / (1.0 + odds)))
+    return join.with_chance(odds / (1.0 + odds))

@@ -39,7 +39,8 @@ def _with_found(groups: Sequence[Union], asking: Asking, growth: Growth) -> list
     """
     growth.likely += growth.by_skin
     growth.by_skin = []
-    found = [each for each in growth.likely if not any(each is one for one in growth.filling)]
+    # what fills a gap counts among the likely since an earlier round
+    found = [each for each in growth.likely if each not in growth.filling]
     return _with_what_lies(found, _of_groups, groups, asking, growth)
 
 
@@ -48,8 +49,7 @@ def _with_filled(groups: Sequence[Union], asking: Asking, growth: Growth) -> lis
 
     While others are missing a gap has no border yet, so that is asked of the groups at last.
     """
-    known = {id(each) for each in growth.likely}
-    growth.likely += [each for each in growth.filling if id(each) not in known]
+    growth.likely += [each for each in growth.filling if each not in growth.likely]
     return _with_what_lies(growth.filling, _in_a_gap, groups, asking, growth)
 
 
@@ -79,7 +79,7 @@ def with_twins(groups: Sequence[Union], asking: Asking, growth: Growth) -> list[
 
     Who was joined may have the place of who comes later, or its twin, so these are asked again. Two
     that claim one place contradict each other, as one of them may be another body's limb. A single
-    piece has seldom both sides of a body, and is not asked.
+    piece has seldom both sides of a body, and is not asked; nobody is asked twice.
     """
     found = list(groups)
     while True:

@@ -10,7 +10,6 @@ nothing is sure any more, what is likely completes the groups, and these are ask
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from functools import cache
 
 from sherd.arrays import Floats
@@ -81,10 +80,7 @@ def _with_what_follows(
     """
     count, least = len(growth.joins), min(map(chance_of, growth.last))
     found = _with_sure(groups, evidence, asking, growth)
-    growth.last += [
-        replace(join, met=replace(join.met, chance=min(join.met.chance, least)))
-        for join in growth.joins[count:]
-    ]
+    growth.last += [join.with_chance(min(join.met.chance, least)) for join in growth.joins[count:]]
     return found
 
 

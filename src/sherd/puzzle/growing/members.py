@@ -17,17 +17,16 @@ import numpy as np
 
 from sherd.arrays import Bools, Floats, Ints
 from sherd.correspondence.confidence import LEAST
-from sherd.correspondence.shared.two_way_placement import CLOSED, SharedPlacement
+from sherd.correspondence.shared.two_way_placement import CLOSED
 from sherd.mesh.surface_points import closest_points
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.puzzle.growing.asking import LIKELY, Asking, against, asked, unless_strangers
 from sherd.puzzle.growing.common_places import left_out, nearest_places
 from sherd.puzzle.growing.record import CROWD, Growth, chance_of, laid_there
-from sherd.puzzle.growing.union import LAYER, Join, Union, larger_first, origins
+from sherd.puzzle.growing.union import LAYER, Join, Union, larger_first, named_at, origins
 from sherd.puzzle.pairwise.answer import JOINED
 from sherd.puzzle.pairwise.body import Told
 from sherd.puzzle.pairwise.join_chance import ends_with_one
-from sherd.surface.described import DescribedSurface
 
 __all__ = ["ask_members", "carried", "laid_as_before", "told_by", "told_by_members"]
 
@@ -69,14 +68,14 @@ def told_by_members(first: Union, second: Union, asking: Asking, growth: Growth)
         sides = {before.first.members[0], before.second.members[0]}
         if not (sides & set(first.members) and sides & set(second.members)):
             continue
-        join = _uncontradicted(before, first, second, asking, growth)
+        join = _laid_unless_taken(before, first, second, asking, growth)
         if join is not None and join.met.chance >= JOINED:
             growth.told[first.members, second.members] = before
             return join
     return None
 
 
-def _uncontradicted(
+def _laid_unless_taken(
     before: Join, first: Union, second: Union, asking: Asking, growth: Growth
 ) -> Join | None:
     """Both laid as members were, unless others have that place; less sure if it was elsewhere."""
@@ -123,7 +122,8 @@ def told_by(before: Join, first: Union, second: Union, joins: Sequence[Join]) ->
     part, full = (before.second, before.first) if side == 0 else (before.first, before.second)
     question, place = before.met.questions[side], before.met.placements[side]
     meets = place.shared & (place.trip.gap <= CLOSED)
-    positions, found = _feet(place, full, question.full, first, joins)
+    pieces, feet = named_at(place.trip.points, question.full.mesh, *origins(full, question.full))
+    positions, found = carried(feet, pieces, first, joins)
     owners, own = origins(part, question.part)
     told = np.array(second.mesh.vertices)
     everywhere = np.zeros(len(told), dtype=bool)
@@ -143,39 +143,14 @@ def told_by(before: Join, first: Union, second: Union, joins: Sequence[Join]) ->
     return Told(told, everywhere)
 
 
-def _feet(
-    place: SharedPlacement,
-    full: Union,
-    surface: DescribedSurface,
-    union: Union,
-    joins: Sequence[Join],
-) -> tuple[Floats, Bools]:
-    """Positions (n, 3) on a union of where a part was laid on one it has, and which are known.
-
-    A place between pieces is that of the nearest corner.
-    """
-    owners, there = origins(full, surface)
-    corners = surface.mesh.faces[place.trip.points.faces]
-    weights = place.trip.points.barycentric
-    lead = corners[np.arange(len(corners)), weights.argmax(axis=1)]
-    alike = (owners[corners] == owners[lead][:, None]).all(axis=1)
-    feet = np.where(alike[:, None], np.einsum("pk,pkx->px", weights, there[corners]), there[lead])
-    positions = np.zeros_like(feet)
-    found = np.zeros(len(feet), dtype=bool)
-    for piece in full.members:
-        rows = np.flatnonzero(owners[lead] == piece)
-        positions[rows], found[rows] = carried(feet[rows], piece, union, joins)
-    return positions, found
-
-
 def carried(
-    places: Floats, piece: int, union: Union, joins: Sequence[Join]
+    places: Floats, pieces: Ints, union: Union, joins: Sequence[Join]
 ) -> tuple[Floats, Bools]:
-    """Positions (q, 3) on a union of places (q, 3) on one of its members, and which it has.
+    """Positions (q, 3) on a union of places (q, 3) on its members (q,), and which it has.
 
-    Where the member gave way to another one when it was joined, its places are those of the other.
+    Where a member gave way to another one when it was joined, its places are those of the other.
     """
-    owners, at = np.full(len(places), piece), np.array(places)
+    owners, at = np.array(pieces), np.array(places)
     for join in joins:
         if set(join.first.members) | set(join.second.members) <= set(union.members):
             _give_way(join, owners, at)

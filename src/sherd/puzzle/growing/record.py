@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 from sherd.arrays import Bools
@@ -116,15 +116,16 @@ class Growth:
         """Keep who lost it from a place, and forget that it lay there."""
         self.settled.append((join, loser))
         self.sure = [each for each in self.sure if not laid_there(each, join, loser)]
-        self.likely = [each for each in self.likely if not laid_there(each, join, loser)]
-        self.by_skin = [each for each in self.by_skin if not laid_there(each, join, loser)]
-        self.filling = [each for each in self.filling if not laid_there(each, join, loser)]
+        self._forget_likely(lambda each: laid_there(each, join, loser))
 
     def forget(self, join: Join) -> None:
         """Forget that what was said of two unions was likely."""
-        self.likely = [each for each in self.likely if not _same(each, join)]
-        self.by_skin = [each for each in self.by_skin if not _same(each, join)]
-        self.filling = [each for each in self.filling if not _same(each, join)]
+        self._forget_likely(lambda each: _same(each, join))
+
+    def _forget_likely(self, gone: Callable[[Join], bool]) -> None:
+        self.likely = [each for each in self.likely if not gone(each)]
+        self.by_skin = [each for each in self.by_skin if not gone(each)]
+        self.filling = [each for each in self.filling if not gone(each)]
 
 
 def _same(one: Join, other: Join) -> bool:

@@ -7,7 +7,7 @@ has the pose of the first piece, and shares more with a third piece than either.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -20,7 +20,7 @@ from sherd.correspondence.shared.round_trip import on_border
 from sherd.errors import InvalidMeshError
 from sherd.mesh.geometry import closest_rotation, edge_lengths, face_normals, vertex_normals
 from sherd.mesh.point_cloud import PointCloud
-from sherd.mesh.surface_points import closest_points
+from sherd.mesh.surface_points import SurfacePoints, closest_points
 from sherd.mesh.topology import component_labels, renumbered
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.puzzle.growing.cracks import closed_cracks
@@ -29,7 +29,7 @@ from sherd.scan.intake import scan_intake
 from sherd.scan.surface_from_points import surface_from_points
 from sherd.surface.described import DescribedSurface
 
-__all__ = ["LAYER", "Join", "Union", "larger_first", "origins", "united"]
+__all__ = ["LAYER", "Join", "Union", "larger_first", "named_at", "origins", "united"]
 
 # In edges of the first piece. What lies over its inside, and no farther off, is a second layer of
 # the same skin: farther off it is something that only comes near.
@@ -84,6 +84,10 @@ class Join:
     first: Union
     second: Union
     met: Meeting
+
+    def with_chance(self, chance: float) -> Join:
+        """The same answer, as likely as that."""
+        return replace(self, met=replace(self.met, chance=chance))
 
 
 def larger_first(one: Union, other: Union) -> tuple[Union, Union]:
@@ -222,15 +226,19 @@ def _sides(face: Ints) -> list[tuple[int, int]]:
 def origins(union: Union, surface: DescribedSurface) -> tuple[Ints, Floats]:
     """The owner (m,) and place (m, 3) of each vertex of the working mesh of a union."""
     at = closest_points(surface.placed, surface.mesh.vertices)
-    corners = union.mesh.faces[at.faces]
-    owners = union.owner[corners]
-    lead = at.barycentric.argmax(axis=1)
-    rows = np.arange(len(lead))
-    alike = (owners == owners[rows, lead][:, None]).all(axis=1)
-    places = np.einsum("pk,pkx->px", at.barycentric, union.places[corners])
+    return named_at(at, union.mesh, union.owner, union.places)
+
+
+def named_at(
+    at: SurfacePoints, mesh: TriangleMesh, owners: Ints, places: Floats
+) -> tuple[Ints, Floats]:
+    """The owner (p,) and place (p, 3) at points of a mesh whose vertices have these."""
+    corners = mesh.faces[at.faces]
+    lead = corners[np.arange(len(corners)), at.barycentric.argmax(axis=1)]
+    alike = (owners[corners] == owners[lead][:, None]).all(axis=1)
+    between = np.einsum("pk,pkx->px", at.barycentric, places[corners])
     # between pieces there is no place that both have a name for, so the nearest corner's stands
-    places = np.where(alike[:, None], places, union.places[corners[rows, lead]])
-    return owners[rows, lead], places
+    return owners[lead], np.where(alike[:, None], between, places[lead])
 
 
 def _first_of_each(new: Ints, count: int) -> Ints:

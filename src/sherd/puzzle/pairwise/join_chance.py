@@ -23,7 +23,6 @@ from sherd.correspondence.shared.likeness import Likeness
 from sherd.correspondence.shared.relief_correlation import alike_in_relief
 from sherd.correspondence.shared.two_way_placement import SharedPlacement
 from sherd.mesh.border_loops import border_loops
-from sherd.mesh.topology import boundary_edges
 from sherd.results.advice import SURE
 from sherd.surface.transformed import mirrored, sampled_within
 
@@ -250,7 +249,7 @@ def _goes_on(question: Question, place: SharedPlacement) -> bool:
 def _border(question: Question, place: SharedPlacement) -> float:
     """How much of the border of a piece is shared, as a length."""
     mesh = question.part.mesh
-    border = boundary_edges(mesh.faces)
+    border = mesh.boundary_edges
     ends = mesh.vertices[border[place.shared[border].all(axis=1)]]
     return float(np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1).sum())
 
