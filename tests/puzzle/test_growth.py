@@ -58,6 +58,7 @@ def _joined_without_geometry(monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.setattr(room, "united", stand_in)
     for name in ("ask_members", "told_by_members"):
         monkeypatch.setattr(growth, name, lambda *_: None)
+    monkeypatch.setattr(growth, "ask_in_poses", lambda *_: False)
     monkeypatch.setattr(growth, "open_loop", lambda joins: np.inf)
     monkeypatch.setattr(growth, "laid_alike", lambda one, other: np.empty((0, 2), dtype=np.int64))
     for room in (asking, completion):

@@ -110,8 +110,13 @@ def with_twins(groups: Sequence[Union], asking: Asking, growth: Growth) -> list[
 def _joined(groups: Sequence[Union], join: Join, growth: Growth) -> list[Union]:
     growth.joins.append(join)
     growth.last.append(join)
-    others = [each for each in groups if each is not join.first and each is not join.second]
-    return [*others, united(join)]
+    return [*_others(groups, join), united(join)]
+
+
+def _others(groups: Sequence[Union], join: Join) -> list[Union]:
+    """All groups but the two of a join, in whatever pose these are."""
+    joined = {*join.first.members, *join.second.members}
+    return [each for each in groups if joined.isdisjoint(each.members)]
 
 
 def _with(groups: Sequence[Union], part: Union) -> Union:
@@ -127,7 +132,7 @@ def _of_groups(
     """
     if _has_another(before, growth):
         return None
-    if {before.first, before.second} == {first, second}:
+    if _of_these(before, first, second):
         return before
     known = recalled(before, first, second)
     if len(known):
@@ -142,11 +147,22 @@ def _in_a_gap(
     before: Join, first: Union, second: Union, asking: Asking, growth: Growth
 ) -> Join | None:
     """Groups laid as parts of them were; None if that fills no gap."""
-    asked = {before.first, before.second} == {first, second}
-    join = before if asked else laid_as_before(before, first, second, asking, growth)
+    join = (
+        before
+        if _of_these(before, first, second)
+        else laid_as_before(before, first, second, asking, growth)
+    )
     if join is None or join.met.chance < LIKELY:
         return None
     return join if _fills_a_gap(join) else None
+
+
+def _of_these(join: Join, first: Union, second: Union) -> bool:
+    """Whether a join is one of two unions, in whatever pose."""
+    return {frozenset(join.first.members), frozenset(join.second.members)} == {
+        frozenset(first.members),
+        frozenset(second.members),
+    }
 
 
 def _fills_a_gap(join: Join) -> bool:
@@ -176,9 +192,7 @@ def _contradicted(join: Join, before: Join, groups: Sequence[Union], growth: Gro
         return True
     return any(
         crowding(join, each) > CROWD
-        for other in groups
-        if other is not join.first
-        and other is not join.second
-        and {join.second.members, other.members} not in growth.together
+        for other in _others(groups, join)
+        if {join.second.members, other.members} not in growth.together
         for each in growth.likely_before(join.first, other)
     )

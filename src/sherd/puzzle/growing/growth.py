@@ -18,6 +18,7 @@ from sherd.puzzle.growing.common_places import crowding, laid_alike, taken_by
 from sherd.puzzle.growing.completion import with_likely, with_twins
 from sherd.puzzle.growing.joined_maps import open_loop
 from sherd.puzzle.growing.members import ask_members, told_by_members
+from sherd.puzzle.growing.poses import ask_in_poses
 from sherd.puzzle.growing.record import CROWD, UNASKED, Growth, chance_of, odds_of
 from sherd.puzzle.growing.union import Join, Union, larger_first, united
 from sherd.puzzle.pairwise.answer import JOINED
@@ -64,6 +65,8 @@ def grown(pieces: Sequence[Union], evidence: Floats, asking: Asking) -> Growth:
         found = with_likely(found, asking, growth)
         if len(growth.joins) == count:
             found = with_twins(found, asking, growth)
+        if len(growth.joins) == count and ask_in_poses(found, evidence, asking, growth):
+            found = with_likely(found, asking, growth)
         if len(growth.joins) == count:
             break
         found = _with_what_follows(found, evidence, asking, growth)

@@ -52,6 +52,8 @@ class Growth:
         The same of members that were asked as they are when their unions found nothing.
     sure_of_members
         What was sure of these.
+    posed
+        A member of the largest group, and the members of who was asked of that in its pose.
     told
         By the members of two unions, what of this told them where they lie on each other.
     aside
@@ -76,6 +78,7 @@ class Growth:
     chances: dict[tuple[tuple[int, ...], tuple[int, ...]], float] = field(default_factory=dict)
     of_members: dict[tuple[tuple[int, ...], tuple[int, ...]], float] = field(default_factory=dict)
     sure_of_members: list[Join] = field(default_factory=list)
+    posed: set[tuple[int, tuple[int, ...]]] = field(default_factory=set)
     told: dict[tuple[tuple[int, ...], tuple[int, ...]], Join] = field(default_factory=dict)
     aside: dict[tuple[tuple[int, ...], tuple[int, ...]], Join] = field(default_factory=dict)
     together: list[set[tuple[int, ...]]] = field(default_factory=list)

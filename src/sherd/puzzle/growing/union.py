@@ -29,7 +29,7 @@ from sherd.scan.intake import scan_intake
 from sherd.scan.surface_from_points import surface_from_points
 from sherd.surface.described import DescribedSurface
 
-__all__ = ["LAYER", "Join", "Union", "larger_first", "named_at", "origins", "united"]
+__all__ = ["LAYER", "Join", "Union", "floating", "larger_first", "named_at", "origins", "united"]
 
 # In edges of the first piece. What lies over its inside, and no farther off, is a second layer of
 # the same skin: farther off it is something that only comes near.
@@ -100,7 +100,7 @@ def united(join: Join) -> Union:
     here, there = join.first, join.second
     question, place = join.met.questions[0], join.met.placements[0]
     first, second = question.full.mesh, question.part.mesh
-    laid = _floating(question, place.deformation, place.shared)
+    laid = floating(question, place.deformation.positions, place.shared)
     normals = vertex_normals(laid, second.faces)
     added = _beyond(question.full, laid, normals) & ~place.shared
     points = np.concatenate([first.vertices, laid])
@@ -124,15 +124,15 @@ def united(join: Join) -> Union:
     return Union(intake.mesh, owner[rows], places[rows], (*here.members, *there.members))
 
 
-def _floating(question: Question, laid: Deformation, shared: Bools) -> Floats:
-    """Positions (n, 3) of the part: what is shared where it lies, the rest carried by elasticity.
+def floating(question: Question, laid: Floats, shared: Bools) -> Floats:
+    """Positions (n, 3) of the part: what is shared where it is laid, the rest carried along.
 
     Each component of the rest begins at the rigid motion of what is shared beside it. Where it was
     before says nothing: a placement moves it in a few rounds, which is too few to unfold it.
     """
     part = question.part
     rest, faces = part.mesh.vertices, part.mesh.faces
-    start = laid.positions.copy()
+    start = laid.copy()
     if shared.all() or not shared.any():
         return start
     labels = component_labels(faces[~shared[faces].any(axis=1)], len(rest))
@@ -142,12 +142,12 @@ def _floating(question: Question, laid: Deformation, shared: Bools) -> Floats:
         away = np.asarray(cKDTree(rest[rows]).query(rest[held])[0])
         weights = part.mesh.vertex_areas[held] * np.exp(-(away - away.min()) / BESIDE)
         before = np.average(rest[held], axis=0, weights=weights)
-        after = np.average(laid.positions[held], axis=0, weights=weights)
-        turn = closest_rotation(rest[held], laid.positions[held], weights)
+        after = np.average(laid[held], axis=0, weights=weights)
+        turn = closest_rotation(rest[held], laid[held], weights)
         start[rows] = (rest[rows] - before) @ turn.T + after
     begun = Deformation(start, fit_rotations(part.elastic, start))
     floated = registered_to_positions(
-        question, begun, laid.positions, rounds=FLOAT_ROUNDS, present=shared.astype(np.float64)
+        question, begun, laid, rounds=FLOAT_ROUNDS, present=shared.astype(np.float64)
     )
     return floated.positions
 

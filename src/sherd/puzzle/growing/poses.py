@@ -1,0 +1,112 @@
+"""A union in the pose of another one of its members, asked where it finds nothing in its own.
+
+A union has the pose of its first piece, and where that bends a joint as a third piece does not the
+third one is not found. Members are asked as they are, too, but a single piece may have half of a
+joint only. So at last the largest group is bent as a member is: what that one has lies as it does
+there, and elasticity carries the rest along.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from sherd.arrays import Bools, Floats
+from sherd.correspondence.labels.labeling import SAME_SCALE
+from sherd.correspondence.question import Question
+from sherd.mesh.surface_points import closest_points
+from sherd.mesh.triangle_mesh import TriangleMesh
+from sherd.puzzle.growing.asking import LIKELY, Asking, asked, unless_strangers
+from sherd.puzzle.growing.members import carried
+from sherd.puzzle.growing.record import Growth
+from sherd.puzzle.growing.union import LAYER, Union, floating, larger_first, origins
+from sherd.puzzle.pairwise.answer import Meeting
+from sherd.surface.prepared import described_part
+
+__all__ = ["ask_in_poses", "in_pose_of"]
+
+# Who is left is asked in the poses of so many members, those of which cheap evidence says most: of
+# seven pieces these are nearly all.
+POSES = 4
+
+
+def ask_in_poses(groups: Sequence[Union], evidence: Floats, asking: Asking, growth: Growth) -> bool:
+    """Ask the largest group in poses of its members for all that are left; whether one is likely.
+
+    That is kept in mind. What looks likely at a glance is asked as all others are. Nobody is asked
+    twice in one pose, also if the group has grown: who joined it hardly changes what is seen at
+    other joints.
+    """
+    likely = False
+    largest, *others = sorted(groups, key=lambda union: -union.mesh.area)
+    for member in largest.members[1:]:
+        waiting = [
+            other
+            for other in others
+            if member in _ranked(largest, other, evidence)
+            and (member, other.members) not in growth.posed
+        ]
+        growth.posed |= {(member, other.members) for other in waiting}
+        posed = in_pose_of(largest, member, growth) if waiting else None
+        if posed is None:
+            continue
+        for other in waiting:
+            first, second = larger_first(posed, other)
+            if _may_be_likely(asking.glance(first, second)):
+                join = unless_strangers(asked(first, second, asking.meet, growth), growth)
+                growth.chances[first.members, second.members] = join.met.chance
+                likely |= _may_be_likely(join.met)
+    return likely
+
+
+def _ranked(union: Union, other: Union, evidence: Floats) -> list[int]:
+    """The members in whose poses a union is asked for another one; it has the first one's."""
+
+    def rank(member: int) -> float:
+        return max(float(evidence[member, each]) for each in other.members)
+
+    return sorted(union.members[1:], key=rank, reverse=True)[:POSES]
+
+
+def _may_be_likely(met: Meeting) -> bool:
+    return max(met.chance, met.by_skin, met.filling) >= LIKELY
+
+
+def in_pose_of(union: Union, member: int, growth: Growth) -> Union | None:
+    """The same union in the pose of a member; None if it has nothing of that any more.
+
+    What the member has lies as it does there, and elasticity carries the rest along. The first of
+    its members is that one then.
+    """
+    unit = union.mesh.length
+    surface = described_part(union.mesh, unit)
+    at = closest_points(surface.placed, surface.mesh.vertices)
+    lying, known = _as_it_lies(
+        union, member, at.interpolate(surface.placed, union.mesh.vertices), growth
+    )
+    owner, places = origins(union, surface)
+    own = owner == member
+    lying[own], known[own] = places[own], True
+    if not known.any():
+        return None
+    bent = floating(Question(surface, surface, SAME_SCALE), lying / unit, known) * unit
+    mesh = TriangleMesh(bent, surface.mesh.faces, name=union.mesh.name)
+    others = (each for each in union.members if each != member)
+    return Union(mesh, owner, places, (member, *others))
+
+
+def _as_it_lies(
+    union: Union, member: int, positions: Floats, growth: Growth
+) -> tuple[Floats, Bools]:
+    """Where positions (q, 3) on a union lie on a member (q, 3), and which of them (q,) it has."""
+    piece = growth.pieces[member].mesh
+    carry, found = carried(piece.vertices, np.full(piece.vertex_count, member), union, growth.joins)
+    faces = piece.faces[found[piece.faces].all(axis=1)]
+    if not len(faces):
+        return np.zeros_like(positions), np.zeros(len(positions), dtype=bool)
+    chart = TriangleMesh(carry, faces)
+    at = closest_points(chart, positions)
+    off = np.linalg.norm(at.positions(chart) - positions, axis=1)
+    known: Bools = off < LAYER * union.mesh.mean_edge_length
+    return at.interpolate(chart, piece.vertices), known

@@ -1,0 +1,159 @@
+"""A union in the pose of another one of its members."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.spatial import cKDTree
+
+from sherd.arrays import Floats
+from sherd.mesh.geometry import closest_rotation
+from sherd.puzzle.growing import poses
+from sherd.puzzle.growing.asking import Asking
+from sherd.puzzle.growing.poses import ask_in_poses, in_pose_of
+from sherd.puzzle.growing.record import Growth
+from sherd.puzzle.growing.union import Join, Union, united
+from sherd.puzzle.pairwise.body import Body, Told
+from sherd.shapes import creature, cut_by_ball, landmarks, whole
+from sherd.shapes.fragment import Fragment
+
+# What is laid from the truth lies within the edges of the coarser of two meshings.
+NEAR = 0.03
+
+
+@pytest.fixture(scope="module")
+def cut() -> tuple[Fragment, ...]:
+    """The front standing, the larger one, and the rear walking; both have the trunk."""
+    full, walking = creature(5000), creature(5000, pose="walk")
+    marks = landmarks(full)
+    return (
+        cut_by_ball(whole(full, full), marks["nose"], 1.05),
+        cut_by_ball(whole(walking, full), marks["tail_tip"], 0.85),
+    )
+
+
+@pytest.fixture(scope="module")
+def joined(cut: tuple[Fragment, ...]) -> Growth:
+    """Both laid on each other from the truth."""
+    alone = [Union.of_piece(piece.mesh, number) for number, piece in enumerate(cut)]
+    there, here = (piece.truth.positions(piece.full) for piece in cut)
+    away, nearest = cKDTree(there).query(here)
+    told = Told(cut[0].mesh.vertices[nearest], away < NEAR * cut[0].full.length)
+    met = Body(cut[0].mesh, 0).met(cut[1].mesh, told)
+    return Growth(alone, alone[0], joins=[Join(alone[0], alone[1], replace(met, chance=0.99))])
+
+
+def off_by(union: Union, piece: int) -> float:
+    """How far what a union has of a piece lies from it, after the best rigid motion (rms)."""
+    rows = union.owner == piece
+    here, there = union.places[rows], union.mesh.vertices[rows]
+    weights = np.ones(len(here))
+    turned = (here - here.mean(axis=0)) @ closest_rotation(here, there, weights).T
+    return float(np.sqrt((((there - there.mean(axis=0)) - turned) ** 2).sum(axis=1).mean()))
+
+
+def test_what_a_member_has_lies_as_it_does_there(cut, joined) -> None:
+    union = united(joined.joins[0])
+    posed = in_pose_of(union, 1, joined)
+    assert posed is not None
+    assert posed.members == (1, 0)
+    length = cut[0].full.length
+    # the union has the pose of the front, so the rear is bent there, and now the front is
+    assert off_by(union, 0) < 0.005 * length
+    assert off_by(posed, 1) < 0.005 * length
+    assert off_by(union, 1) > 2 * off_by(posed, 1)
+    assert posed.mesh.area == pytest.approx(union.mesh.area, rel=0.02)
+    # the same skin, named by the same places
+    away = cKDTree(union.places[union.owner == 0]).query(posed.places[posed.owner == 0])[0]
+    assert away.max() < NEAR * length
+
+
+def test_the_trunk_of_the_front_is_bent_as_the_rear_has_it(cut, joined) -> None:
+    union = united(joined.joins[0])
+    posed = in_pose_of(union, 1, joined)
+    assert posed is not None
+    rear, walking = cut[1], creature(5000, pose="walk")
+    trees = [cKDTree(piece.truth.positions(piece.full)) for piece in cut]
+    front = np.flatnonzero(posed.owner == 0)
+    own = cKDTree(cut[0].mesh.vertices).query(posed.places[front])[1]
+    truth = trees[0].data[own]
+    common = trees[1].query(truth)[0] < NEAR * rear.full.length
+    assert common.sum() > 50
+    there = walking.vertices[cKDTree(cut[0].full.vertices).query(truth[common])[1]]
+    here = posed.mesh.vertices[front[common]]
+    away = np.linalg.norm(here[:, None] - here[None], axis=2)
+    true = np.linalg.norm(there[:, None] - there[None], axis=2)
+    assert np.abs(away - true).mean() < 0.015 * rear.full.length
+
+
+def test_a_member_of_which_nothing_is_left_gives_no_pose(joined) -> None:
+    union = united(joined.joins[0])
+    gone = Growth([*joined.pieces, joined.pieces[0]], joined.largest)
+    assert in_pose_of(replace(union, members=(0, 1, 2)), 2, gone) is None
+
+
+@dataclass
+class Asked:
+    """What was looked at and asked, without geometry, of pieces that are as likely as told."""
+
+    chances: dict[int, float]
+    glances: list[tuple[int, int]] = field(default_factory=list)
+    in_full: list[tuple[int, int]] = field(default_factory=list)
+
+    def glance(self, first: Union, second: Union) -> Any:
+        self.glances.append((first.members[0], second.members[0]))
+        return self.answer(second)
+
+    def asked(self, first: Union, second: Union, meet: Any, growth: Growth) -> Join:
+        self.in_full.append((first.members[0], second.members[0]))
+        return Join(first, second, self.answer(second))
+
+    def answer(self, second: Union) -> Any:
+        return SimpleNamespace(chance=self.chances[second.members[0]], by_skin=0.0, filling=0.0)
+
+    def of(self, union: Union, others: list[Union], evidence: Floats, growth: Growth) -> bool:
+        ways = Asking(self.glance, self.glance, self.glance, lambda *_: None)  # type: ignore[arg-type]
+        return ask_in_poses([union, *others], evidence, ways, growth)
+
+
+@pytest.fixture
+def asked(monkeypatch: pytest.MonkeyPatch) -> Asked:
+    def bent(union: Union, member: int, growth: Growth) -> Union:
+        others = (each for each in union.members if each != member)
+        return replace(union, members=(member, *others))
+
+    found = Asked({})
+    monkeypatch.setattr(poses, "in_pose_of", bent)
+    monkeypatch.setattr(poses, "asked", found.asked)
+    monkeypatch.setattr(poses, "unless_strangers", lambda join, growth: join)
+    return found
+
+
+def test_what_looks_likely_at_a_glance_is_asked_and_nobody_twice(joined, asked) -> None:
+    pieces = [Union.of_piece(joined.pieces[0].mesh, number) for number in range(4)]
+    small = [replace(each, mesh=joined.pieces[1].mesh) for each in pieces]
+    growth, evidence = Growth(pieces, pieces[0]), np.ones((4, 4))
+    asked.chances = {2: 0.1, 3: 0.6}
+    here = replace(pieces[0], members=(0, 1))
+    assert asked.of(here, small[2:], evidence, growth)
+    assert asked.glances == [(1, 2), (1, 3)]
+    assert asked.in_full == [(1, 3)]
+    assert growth.chances == {((1, 0), (3,)): 0.6}
+    # a group that has grown is asked in the pose of who is new
+    assert not asked.of(replace(here, members=(0, 1, 3)), small[2:3], evidence, growth)
+    assert asked.glances[2:] == [(3, 2)]
+
+
+def test_poses_are_those_of_which_evidence_says_most(joined, asked) -> None:
+    count = poses.POSES + 3
+    pieces = [Union.of_piece(joined.pieces[0].mesh, number) for number in range(count + 1)]
+    last = replace(pieces[-1], mesh=joined.pieces[1].mesh)
+    evidence = np.add.outer(np.arange(count + 1.0), np.arange(count + 1.0))
+    asked.chances = {count: 0.1}
+    here = replace(pieces[0], members=tuple(range(count)))
+    asked.of(here, [last], evidence, Growth(pieces, pieces[0]))
+    assert sorted(asked.glances) == [(count - poses.POSES + k, count) for k in range(poses.POSES)]
