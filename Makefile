@@ -8,7 +8,7 @@ demo: .venv/library  ## match a generated animal's fragment with the whole; need
 	$(BIN)/sherd demo -o out/demo
 
 test: check  ## format, lint, types, then all tests on all cores
-	$(BIN)/python -m pytest -n auto
+	$(BIN)/python -m pytest -n auto --dist loadscope  # what a module's tests share is made once
 
 check: .venv/development
 	$(BIN)/ruff format --check .
