@@ -85,7 +85,8 @@ def join(
     questions. Where a union finds nothing its members are asked at a glance, each in its own pose.
     Pieces that share a tenth or less are mostly not found to belong together. At last
     what is more likely right than not is joined, too, if nothing contradicts it, and what lies
-    across from its twin; see :attr:`Joined.likely` and :attr:`Joined.by_twin`.
+    across from its twin; see :attr:`Joined.likely` and :attr:`Joined.by_twin`. Who is left then is
+    asked with the largest group bent as each of its members is.
 
     Examples
     --------
