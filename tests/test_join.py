@@ -56,27 +56,13 @@ def foreign(pieces: list[Fragment]) -> TriangleMesh:
 
 
 @pytest.fixture(scope="module")
-def answer(pieces: list[Fragment]) -> Joined:
-    return sherd.join([piece.mesh for piece in pieces])
+def answer(pieces: list[Fragment], foreign: TriangleMesh) -> Joined:
+    return sherd.join([*(piece.mesh for piece in pieces), foreign])
 
 
-@pytest.fixture(scope="module")
-def strangers(pieces: list[Fragment], foreign: TriangleMesh) -> Joined:
-    """Of two pieces, as each question about a foreign one takes as long as all others together."""
-    return sherd.join([pieces[2].mesh, foreign])
-
-
-def test_what_belongs_together_is_one_group(answer) -> None:
-    assert answer.groups == ((0, 1, 2),)
-    assert answer.group_of == (0, 0, 0)
-
-
-def test_a_foreign_piece_is_alone(strangers, tmp_path) -> None:
-    assert strangers.groups == ((0,), (1,))
-    assert not strangers.maps
-    document = sherd.write_report(strangers, tmp_path / "out")
-    jsonschema.validate(document, json.loads(SCHEMA.read_text()))
-    assert [piece["group"] for piece in document["pieces"]] == [0, 1]
+def test_what_belongs_together_is_one_group_and_the_foreign_piece_is_alone(answer) -> None:
+    assert answer.groups == ((0, 1, 2), (3,))
+    assert answer.group_of == (0, 0, 0, 1)
 
 
 def test_each_piece_has_its_points_on_the_others(answer, pieces) -> None:
@@ -101,7 +87,7 @@ def test_files_are_written_and_read_back(answer, tmp_path) -> None:
     jsonschema.validate(document, schema)
     assert set(document) == set(schema["properties"])
     assert document["full"] is None
-    assert [piece["group"] for piece in document["pieces"]] == [0, 0, 0]
+    assert [piece["group"] for piece in document["pieces"]] == [0, 0, 0, 1]
     rows = (tmp_path / "out" / "piece_0" / "partners.csv").read_text().splitlines()
     assert rows[0] == "part_vertex,piece,face,b0,b1,b2,vertex,confidence"
     assert {row.split(",")[1] for row in rows[1:]} == {"1", "2"}
@@ -135,7 +121,7 @@ def test_what_is_only_likely_is_said_to_be_so(answer: Joined, tmp_path: Path) ->
     doubted = replace(answer, likely={1: 0.6})
     document = sherd.write_report(doubted, tmp_path)
     jsonschema.validate(document, json.loads(SCHEMA.read_text()))
-    assert [piece["likely"] for piece in document["pieces"]] == [None, 0.6, None]
+    assert [piece["likely"] for piece in document["pieces"]] == [None, 0.6, None, None]
     assert document["status"] == "good"
     assert "likely, 0.60" in joined_summary(doubted, tmp_path)
     report = (tmp_path / "report.html").read_text()
@@ -145,7 +131,7 @@ def test_what_is_only_likely_is_said_to_be_so(answer: Joined, tmp_path: Path) ->
     by_twin = replace(doubted, by_twin=(1,))
     told = sherd.write_report(by_twin, tmp_path / "twin")
     jsonschema.validate(told, json.loads(SCHEMA.read_text()))
-    assert [piece["by_twin"] for piece in told["pieces"]] == [False, True, False]
+    assert [piece["by_twin"] for piece in told["pieces"]] == [False, True, False, False]
     assert "likely by its twin, 0.60" in joined_summary(by_twin, tmp_path)
     assert "Only its twin tells" in (tmp_path / "twin" / "report.html").read_text()
     with pytest.raises(InvalidMeshError, match="chance"):
