@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
@@ -27,44 +28,23 @@ from sherd.puzzle.pairwise.join_chance import ends_with_one, fills_a_gap
 from sherd.shapes import creature, cut_by_ball, landmarks, whole
 from sherd.shapes.fragment import Fragment
 
-# What is laid from the truth lies within the edges of the coarser of two meshings.
-NEAR = 0.03
-
 
 @pytest.fixture(scope="module")
-def cut() -> tuple[Fragment, ...]:
+def cut(cut_halves: Callable[[float, float], tuple[Fragment, Fragment]]) -> tuple[Fragment, ...]:
     """The front standing, the rear walking, and a hind leg of which only the rear has all."""
     full, walking = creature(5000), creature(5000, pose="walk")
-    marks = landmarks(full)
-    return (
-        cut_by_ball(whole(full, full), marks["nose"], 0.85),
-        cut_by_ball(whole(walking, full), marks["tail_tip"], 1.05),
-        cut_by_ball(whole(walking, full), marks["left_hind_hoof"], 0.45),
-    )
+    leg = cut_by_ball(whole(walking, full), landmarks(full)["left_hind_hoof"], 0.45)
+    return (*cut_halves(0.85, 1.05), leg)
 
 
 @pytest.fixture(scope="module")
-def alone(cut: tuple[Fragment, ...]) -> list[Union]:
-    return [Union.of_piece(piece.mesh, number) for number, piece in enumerate(cut)]
-
-
-def laid_truly(cut: tuple[Fragment, ...], alone: list[Union], first: int, second: int) -> Join:
-    """Two pieces laid on each other from the truth, as likely as can be."""
-    there, here = (cut[k].truth.positions(cut[k].full) for k in (first, second))
-    away, nearest = cKDTree(there).query(here)
-    told = Told(cut[first].mesh.vertices[nearest], away < NEAR * cut[0].full.length)
-    met = Body(cut[first].mesh, 0).met(cut[second].mesh, told)
-    return Join(alone[first], alone[second], replace(met, chance=0.99))
+def halves(laid_truly: Callable[[int, int], Join]) -> Join:
+    return laid_truly(0, 1)
 
 
 @pytest.fixture(scope="module")
-def halves(cut: tuple[Fragment, ...], alone: list[Union]) -> Join:
-    return laid_truly(cut, alone, 0, 1)
-
-
-@pytest.fixture(scope="module")
-def leg(cut: tuple[Fragment, ...], alone: list[Union]) -> Join:
-    return laid_truly(cut, alone, 1, 2)
+def leg(laid_truly: Callable[[int, int], Join]) -> Join:
+    return laid_truly(1, 2)
 
 
 def on_full(cut: tuple[Fragment, ...], union: Union, at: Floats) -> Floats:
@@ -78,7 +58,7 @@ def on_full(cut: tuple[Fragment, ...], union: Union, at: Floats) -> Floats:
     return places
 
 
-def test_places_are_carried_also_where_a_piece_gave_way(cut, alone, halves) -> None:
+def test_places_are_carried_also_where_a_piece_gave_way(cut, near, halves) -> None:
     union = united(halves)
     rear = cut[1]
     positions, found = carried(
@@ -90,7 +70,7 @@ def test_places_are_carried_also_where_a_piece_gave_way(cut, alone, halves) -> N
     off = on_full(cut, union, positions) - rear.truth.positions(rear.full)
     away = np.linalg.norm(off, axis=1)[found] / rear.full.length
     assert away.mean() < 0.01
-    assert np.quantile(away, 0.99) < 2 * NEAR
+    assert np.quantile(away, 0.99) < 2 * near
 
 
 def _kept(union: Union, piece: Fragment) -> Ints:

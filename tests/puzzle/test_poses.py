@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from types import SimpleNamespace
 from typing import Any
@@ -17,34 +18,34 @@ from sherd.puzzle.growing.asking import Asking
 from sherd.puzzle.growing.poses import ask_in_poses, in_pose_of
 from sherd.puzzle.growing.record import Growth
 from sherd.puzzle.growing.union import Join, Union, united
-from sherd.puzzle.pairwise.body import Body, Told
-from sherd.shapes import creature, cut_by_ball, landmarks, whole
+from sherd.shapes import creature
 from sherd.shapes.fragment import Fragment
 
-# What is laid from the truth lies within the edges of the coarser of two meshings.
-NEAR = 0.03
-
 
 @pytest.fixture(scope="module")
-def cut() -> tuple[Fragment, ...]:
+def cut(cut_halves: Callable[[float, float], tuple[Fragment, Fragment]]) -> tuple[Fragment, ...]:
     """The front standing, the larger one, and the rear walking; both have the trunk."""
-    full, walking = creature(5000), creature(5000, pose="walk")
-    marks = landmarks(full)
-    return (
-        cut_by_ball(whole(full, full), marks["nose"], 1.05),
-        cut_by_ball(whole(walking, full), marks["tail_tip"], 0.85),
-    )
+    return cut_halves(1.05, 0.85)
 
 
 @pytest.fixture(scope="module")
-def joined(cut: tuple[Fragment, ...]) -> Growth:
+def joined(alone: list[Union], laid_truly: Callable[[int, int], Join]) -> Growth:
     """Both laid on each other from the truth."""
-    alone = [Union.of_piece(piece.mesh, number) for number, piece in enumerate(cut)]
-    there, here = (piece.truth.positions(piece.full) for piece in cut)
-    away, nearest = cKDTree(there).query(here)
-    told = Told(cut[0].mesh.vertices[nearest], away < NEAR * cut[0].full.length)
-    met = Body(cut[0].mesh, 0).met(cut[1].mesh, told)
-    return Growth(alone, alone[0], joins=[Join(alone[0], alone[1], replace(met, chance=0.99))])
+    return Growth(alone, alone[0], joins=[laid_truly(0, 1)])
+
+
+@pytest.fixture(scope="module")
+def union(joined: Growth) -> Union:
+    """Both, standing as the front does."""
+    return united(joined.joins[0])
+
+
+@pytest.fixture(scope="module")
+def posed(union: Union, joined: Growth) -> Union:
+    """Both, walking as the rear does."""
+    bent = in_pose_of(union, 1, joined)
+    assert bent is not None
+    return bent
 
 
 def off_by(union: Union, piece: int) -> float:
@@ -56,10 +57,7 @@ def off_by(union: Union, piece: int) -> float:
     return float(np.sqrt((((there - there.mean(axis=0)) - turned) ** 2).sum(axis=1).mean()))
 
 
-def test_what_a_member_has_lies_as_it_does_there(cut, joined) -> None:
-    union = united(joined.joins[0])
-    posed = in_pose_of(union, 1, joined)
-    assert posed is not None
+def test_what_a_member_has_lies_as_it_does_there(cut, near, union, posed) -> None:
     assert posed.members == (1, 0)
     length = cut[0].full.length
     # the union has the pose of the front, so the rear is bent there, and now the front is
@@ -69,19 +67,16 @@ def test_what_a_member_has_lies_as_it_does_there(cut, joined) -> None:
     assert posed.mesh.area == pytest.approx(union.mesh.area, rel=0.02)
     # the same skin, named by the same places
     away = cKDTree(union.places[union.owner == 0]).query(posed.places[posed.owner == 0])[0]
-    assert away.max() < NEAR * length
+    assert away.max() < near * length
 
 
-def test_the_trunk_of_the_front_is_bent_as_the_rear_has_it(cut, joined) -> None:
-    union = united(joined.joins[0])
-    posed = in_pose_of(union, 1, joined)
-    assert posed is not None
+def test_the_trunk_of_the_front_is_bent_as_the_rear_has_it(cut, near, posed) -> None:
     rear, walking = cut[1], creature(5000, pose="walk")
     trees = [cKDTree(piece.truth.positions(piece.full)) for piece in cut]
     front = np.flatnonzero(posed.owner == 0)
     own = cKDTree(cut[0].mesh.vertices).query(posed.places[front])[1]
     truth = trees[0].data[own]
-    common = trees[1].query(truth)[0] < NEAR * rear.full.length
+    common = trees[1].query(truth)[0] < near * rear.full.length
     assert common.sum() > 50
     there = walking.vertices[cKDTree(cut[0].full.vertices).query(truth[common])[1]]
     here = posed.mesh.vertices[front[common]]
@@ -90,10 +85,14 @@ def test_the_trunk_of_the_front_is_bent_as_the_rear_has_it(cut, joined) -> None:
     assert np.abs(away - true).mean() < 0.015 * rear.full.length
 
 
-def test_a_member_of_which_nothing_is_left_gives_no_pose(joined) -> None:
-    union = united(joined.joins[0])
+def test_a_member_of_which_nothing_is_left_gives_no_pose(joined, union) -> None:
     gone = Growth([*joined.pieces, joined.pieces[0]], joined.largest)
     assert in_pose_of(replace(union, members=(0, 1, 2)), 2, gone) is None
+
+
+def not_asked(*_: Any) -> Any:
+    """Neither in full, as `Asked` answers that, nor as told, nor across."""
+    pytest.fail("only glances are asked for here")
 
 
 @dataclass
@@ -116,7 +115,7 @@ class Asked:
         return SimpleNamespace(chance=self.chances[second.members[0]], by_skin=0.0, filling=0.0)
 
     def of(self, union: Union, others: list[Union], evidence: Floats, growth: Growth) -> bool:
-        ways = Asking(self.glance, self.glance, self.glance, lambda *_: None)  # type: ignore[arg-type]
+        ways = Asking(not_asked, self.glance, not_asked, not_asked)
         return ask_in_poses([union, *others], evidence, ways, growth)
 
 

@@ -115,8 +115,7 @@ def _joined(groups: Sequence[Union], join: Join, growth: Growth) -> list[Union]:
 
 def _others(groups: Sequence[Union], join: Join) -> list[Union]:
     """All groups but the two of a join, in whatever pose these are."""
-    joined = {*join.first.members, *join.second.members}
-    return [each for each in groups if joined.isdisjoint(each.members)]
+    return [each for each in groups if set(join.members).isdisjoint(each.members)]
 
 
 def _with(groups: Sequence[Union], part: Union) -> Union:
@@ -158,11 +157,8 @@ def _in_a_gap(
 
 
 def _of_these(join: Join, first: Union, second: Union) -> bool:
-    """Whether a join is one of two unions, in whatever pose."""
-    return {frozenset(join.first.members), frozenset(join.second.members)} == {
-        frozenset(first.members),
-        frozenset(second.members),
-    }
+    """Whether a join of parts of two unions, one of each, is of all of both, in whatever pose."""
+    return set(join.members) == {*first.members, *second.members}
 
 
 def _fills_a_gap(join: Join) -> bool:

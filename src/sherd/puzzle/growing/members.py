@@ -152,7 +152,7 @@ def carried(
     """
     owners, at = np.array(pieces), np.array(places)
     for join in joins:
-        if set(join.first.members) | set(join.second.members) <= set(union.members):
+        if set(join.members) <= set(union.members):
             _give_way(join, owners, at)
     found = np.zeros(len(places), dtype=bool)
     positions = np.zeros_like(at)

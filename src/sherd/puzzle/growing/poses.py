@@ -20,7 +20,7 @@ from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.puzzle.growing.asking import LIKELY, Asking, asked, unless_strangers
 from sherd.puzzle.growing.members import carried
 from sherd.puzzle.growing.record import Growth
-from sherd.puzzle.growing.union import LAYER, Union, floating, larger_first, origins
+from sherd.puzzle.growing.union import LAYER, Union, floating, larger_first, named_at
 from sherd.puzzle.pairwise.answer import Meeting
 from sherd.surface.prepared import described_part
 
@@ -85,7 +85,7 @@ def in_pose_of(union: Union, member: int, growth: Growth) -> Union | None:
     lying, known = _as_it_lies(
         union, member, at.interpolate(surface.placed, union.mesh.vertices), growth
     )
-    owner, places = origins(union, surface)
+    owner, places = named_at(at, union.mesh, union.owner, union.places)
     own = owner == member
     lying[own], known[own] = places[own], True
     if not known.any():

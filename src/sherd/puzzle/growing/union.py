@@ -85,6 +85,11 @@ class Join:
     second: Union
     met: Meeting
 
+    @property
+    def members(self) -> tuple[int, ...]:
+        """The pieces of both, those of the first one first."""
+        return (*self.first.members, *self.second.members)
+
     def with_chance(self, chance: float) -> Join:
         """The same answer, as likely as that."""
         return replace(self, met=replace(self.met, chance=chance))
@@ -121,7 +126,7 @@ def united(join: Join) -> Union:
     places = np.concatenate([places for _, places in named])[kept]
     intake = scan_intake(rough)
     rows = _first_of_each(intake.report.new_vertices, intake.mesh.vertex_count)
-    return Union(intake.mesh, owner[rows], places[rows], (*here.members, *there.members))
+    return Union(intake.mesh, owner[rows], places[rows], join.members)
 
 
 def floating(question: Question, laid: Floats, shared: Bools) -> Floats:
