@@ -9,9 +9,10 @@ import pytest
 
 from sherd.mesh.border_loops import border_loops
 from sherd.mesh.topology import component_labels
+from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.puzzle.growing.common_places import laid_alike, left_out, recalled
 from sherd.puzzle.growing.joined_maps import direct_maps
-from sherd.puzzle.growing.union import Join, Union, united
+from sherd.puzzle.growing.union import Join, Union, repaired, united
 from sherd.puzzle.pairwise.answer import Meeting
 from sherd.puzzle.pairwise.meeting import meeting
 from sherd.results.advice import SURE
@@ -57,6 +58,15 @@ def test_the_union_is_about_as_large_as_both_together(pieces, join) -> None:
         low, high = piece.mesh.vertices.min(axis=0), piece.mesh.vertices.max(axis=0)
         assert (own >= low - 0.05).all()
         assert (own <= high + 0.05).all()
+
+
+def test_a_vertex_in_which_sheets_met_keeps_its_name_on_each() -> None:
+    corners = [[1, 0, 0], [0, 1, 0], [0, 0, 0], [-1, 0, 0], [0, -1, 0]]
+    joint = TriangleMesh(corners, [[2, 0, 1], [2, 3, 4]])
+    union = repaired(Union(joint, np.array([0, 0, 1, 1, 1]), joint.vertices, (0, 1)))
+    assert union.mesh.vertex_count == 6
+    assert np.array_equal(union.places, union.mesh.vertices)
+    assert union.owner[(union.mesh.vertices == 0).all(axis=1)].tolist() == [1, 1]
 
 
 def test_where_either_goes_on_the_union_has_no_crack(pieces, join) -> None:

@@ -29,7 +29,17 @@ from sherd.scan.intake import scan_intake
 from sherd.scan.surface_from_points import surface_from_points
 from sherd.surface.described import DescribedSurface
 
-__all__ = ["LAYER", "Join", "Union", "floating", "larger_first", "named_at", "origins", "united"]
+__all__ = [
+    "LAYER",
+    "Join",
+    "Union",
+    "floating",
+    "larger_first",
+    "named_at",
+    "origins",
+    "repaired",
+    "united",
+]
 
 # In edges of the first piece. What lies over its inside, and no farther off, is a second layer of
 # the same skin: farther off it is something that only comes near.
@@ -124,9 +134,17 @@ def united(join: Join) -> Union:
     named = (origins(here, question.full), origins(there, question.part))
     owner = np.concatenate([owners for owners, _ in named])[kept]
     places = np.concatenate([places for _, places in named])[kept]
-    intake = scan_intake(rough)
-    rows = _first_of_each(intake.report.new_vertices, intake.mesh.vertex_count)
-    return Union(intake.mesh, owner[rows], places[rows], join.members)
+    return repaired(Union(rough, owner, places, join.members))
+
+
+def repaired(union: Union) -> Union:
+    """The same as a surface that can be asked; every vertex keeps its owner and place.
+
+    Where sheets met in one vertex each has a vertex of its own then, of the same owner and place.
+    """
+    intake = scan_intake(union.mesh)
+    rows = intake.report.original_vertices
+    return Union(intake.mesh, union.owner[rows], union.places[rows], union.members)
 
 
 def floating(question: Question, laid: Floats, shared: Bools) -> Floats:
@@ -244,11 +262,3 @@ def named_at(
     between = np.einsum("pk,pkx->px", at.barycentric, places[corners])
     # between pieces there is no place that both have a name for, so the nearest corner's stands
     return owners[lead], np.where(alike[:, None], between, places[lead])
-
-
-def _first_of_each(new: Ints, count: int) -> Ints:
-    """For each of `count` vertices after a repair the first one before, by `new` (n,), -1: gone."""
-    rows = np.zeros(count, dtype=np.int64)
-    kept = np.flatnonzero(new >= 0)[::-1]
-    rows[new[kept]] = kept
-    return rows
