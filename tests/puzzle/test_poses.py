@@ -13,6 +13,7 @@ from scipy.spatial import cKDTree
 
 from sherd.arrays import Floats
 from sherd.mesh.geometry import closest_rotation
+from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.puzzle.growing import poses
 from sherd.puzzle.growing.asking import Asking
 from sherd.puzzle.growing.poses import ask_in_poses, in_pose_of
@@ -20,6 +21,8 @@ from sherd.puzzle.growing.record import Growth
 from sherd.puzzle.growing.union import Join, Union, united
 from sherd.shapes import creature
 from sherd.shapes.fragment import Fragment
+from sherd.surface.described import DescribedSurface
+from sherd.surface.prepared import described_part
 
 
 @pytest.fixture(scope="module")
@@ -43,7 +46,7 @@ def union(joined: Growth) -> Union:
 @pytest.fixture(scope="module")
 def posed(union: Union, joined: Growth) -> Union:
     """Both, walking as the rear does."""
-    bent = in_pose_of(union, 1, joined)
+    bent = in_pose_of(union, described_part(union.mesh, union.mesh.length), 1, joined)
     assert bent is not None
     return bent
 
@@ -87,7 +90,8 @@ def test_the_trunk_of_the_front_is_bent_as_the_rear_has_it(cut, near, posed) -> 
 
 def test_a_member_of_which_nothing_is_left_gives_no_pose(joined, union) -> None:
     gone = Growth([*joined.pieces, joined.pieces[0]], joined.largest)
-    assert in_pose_of(replace(union, members=(0, 1, 2)), 2, gone) is None
+    surface = described_part(union.mesh, union.mesh.length)
+    assert in_pose_of(replace(union, members=(0, 1, 2)), surface, 2, gone) is None
 
 
 def not_asked(*_: Any) -> Any:
@@ -97,11 +101,21 @@ def not_asked(*_: Any) -> Any:
 
 @dataclass
 class Asked:
-    """What was looked at and asked, without geometry, of pieces that are as likely as told."""
+    """What was looked at and asked, without geometry, of pieces that are as likely as told.
+
+    In the pose of a member the union is larger, by a tenth of its number if nothing is told.
+    """
 
     chances: dict[int, float]
+    larger: dict[int, float] = field(default_factory=dict)
     glances: list[tuple[int, int]] = field(default_factory=list)
     in_full: list[tuple[int, int]] = field(default_factory=list)
+
+    def bent(self, union: Union, surface: DescribedSurface, member: int, growth: Growth) -> Union:
+        size = union.mesh.length * (1.0 + self.larger.get(member, 0.1 * member))
+        mesh = TriangleMesh(surface.mesh.vertices * size, surface.mesh.faces)
+        others = (each for each in union.members if each != member)
+        return replace(union, mesh=mesh, members=(member, *others))
 
     def glance(self, first: Union, second: Union) -> Any:
         self.glances.append((first.members[0], second.members[0]))
@@ -121,12 +135,8 @@ class Asked:
 
 @pytest.fixture
 def asked(monkeypatch: pytest.MonkeyPatch) -> Asked:
-    def bent(union: Union, member: int, growth: Growth) -> Union:
-        others = (each for each in union.members if each != member)
-        return replace(union, members=(member, *others))
-
     found = Asked({})
-    monkeypatch.setattr(poses, "in_pose_of", bent)
+    monkeypatch.setattr(poses, "in_pose_of", found.bent)
     monkeypatch.setattr(poses, "asked", found.asked)
     monkeypatch.setattr(poses, "unless_strangers", lambda join, growth: join)
     return found
@@ -145,6 +155,17 @@ def test_what_looks_likely_at_a_glance_is_asked_and_nobody_twice(joined, asked) 
     # a group that has grown is asked in the pose of who is new
     assert not asked.of(replace(here, members=(0, 1, 3)), small[2:3], evidence, growth)
     assert asked.glances[2:] == [(3, 2)]
+
+
+def test_poses_that_are_alike_are_asked_once(joined, asked) -> None:
+    pieces = [Union.of_piece(joined.pieces[0].mesh, number) for number in range(5)]
+    last = replace(pieces[-1], mesh=joined.pieces[1].mesh)
+    asked.chances = {4: 0.1}
+    # the first member has the union's own pose, the last two have one
+    asked.larger = {1: 0.001, 2: 0.2, 3: 0.201}
+    here = replace(pieces[0], members=(0, 1, 2, 3))
+    asked.of(here, [last], np.ones((5, 5)), Growth(pieces, pieces[0]))
+    assert asked.glances == [(2, 4)]
 
 
 def test_poses_are_those_of_which_evidence_says_most(joined, asked) -> None:
