@@ -23,7 +23,7 @@ from sherd.correspondence.question import NO_PINS, Question
 from sherd.correspondence.shared.judgment import likeness_of_both
 from sherd.correspondence.shared.places_by_form import finished_place, labelings_by_form
 from sherd.correspondence.shared.relief_correlation import alike_in_relief
-from sherd.correspondence.shared.two_way_placement import first_look, looked_closer
+from sherd.correspondence.shared.two_way_placement import SharedPlacement, first_look, looked_closer
 from sherd.correspondence.working_placement import Queries
 from sherd.descriptors.relief import form
 from sherd.mesh.surface_points import closest_points
@@ -209,7 +209,8 @@ def _answer(
     strain = OverlapOptions().strain
     laid = first_look(questions, labelings, queries, strain=strain)
     if not all(place.shared.any() for place in laid):
-        return Meeting(questions, queries, laid, LEAST, twin=False)
+        unlike = (_unlike(laid[0], queries[0]), _unlike(laid[1], queries[1]))
+        return Meeting(questions, queries, unlike, LEAST, twin=False)
     placements = looked_closer(questions, queries, laid, strain=strain)
     likeness = likeness_of_both(questions, placements)
     features = join_features(labelings, questions, placements, likeness, seed)
@@ -229,6 +230,11 @@ def _answer(
         leads=leads,
     )
     return _slid(met, skin) if may_be_right(features) or skin.fitting >= LIKELY else met
+
+
+def _unlike(place: SharedPlacement, queries: Queries) -> SharedPlacement:
+    """A placement that nothing is known of but that it is wrong: no neighborhoods are alike."""
+    return replace(place, similarity=np.zeros(len(queries.vertices)))
 
 
 def _slid(met: Meeting, skin: SlidChance) -> Meeting:
