@@ -7,11 +7,15 @@ from functools import cache, lru_cache
 from typing import Any
 
 import numpy as np
+import pytest
 
+from sherd.correspondence.confidence import LEAST
+from sherd.correspondence.shared.judgment import shared_confidence
+from sherd.correspondence.shared.two_way_placement import first_look
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.puzzle.pairwise import meeting as module
 from sherd.puzzle.pairwise.answer import Meeting
-from sherd.puzzle.pairwise.meeting import meeting
+from sherd.puzzle.pairwise.meeting import glance, meeting
 from sherd.puzzle.pairwise.skin_chance import SlidChance
 from sherd.results.advice import SURE
 from sherd.shapes import creature, cut_by_ball, landmarks, whole
@@ -53,6 +57,26 @@ def test_what_lies_nowhere_else_is_answered_as_it_is(monkeypatch) -> None:
     tube = bumpy_tube()
     tube = tube.with_vertices(tube.vertices * np.sqrt(front.area / tube.area))
     assert meeting(front, tube, 0, describe=described_once).chance < SURE
+
+
+def test_what_comes_back_nowhere_is_not_looked_at_closer(monkeypatch) -> None:
+    """Also if one direction still shares something; who reads the answer finds it unlikely."""
+
+    def seen_once(*given: Any, **options: float) -> Any:
+        there, back = first_look(*given, **options)
+        return replace(there, shared=np.zeros_like(there.shared)), back
+
+    front, back = front_and_back()
+    monkeypatch.setattr(module, "first_look", seen_once)
+    monkeypatch.setattr(module, "looked_closer", lambda *_, **__: pytest.fail("looked closer"))
+    met = glance(front, back, 0, describe=described_once)
+    assert met.chance == LEAST
+    assert not met.twin
+    assert not met.placements[0].shared.any()
+    assert met.placements[1].shared.any()
+    for question, queries, place in zip(met.questions, met.queries, met.placements, strict=True):
+        trust = shared_confidence(question.part.mesh, queries, place)
+        assert trust.max() < SURE
 
 
 def test_what_may_be_right_its_place_slides_and_is_judged_there(monkeypatch) -> None:

@@ -204,7 +204,7 @@ def _answer(
     """Both surfaces laid on each other by one labeling of both, and how likely that is right.
 
     What comes back nowhere at a first look is not looked at closer: of 126 such places of four
-    puzzles 16 shared something then, and none was likelier than LEAST.
+    puzzles 16 shared something then, and none was likelier than 0.006.
     """
     strain = OverlapOptions().strain
     laid = first_look(questions, labelings, queries, strain=strain)
