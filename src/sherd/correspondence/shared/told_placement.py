@@ -14,6 +14,7 @@ from sherd.correspondence.shared.two_way_placement import (
     SharedPlacement,
     drawn_together,
     looked_closer,
+    share_something,
 )
 from sherd.correspondence.working_placement import Queries
 from sherd.mesh.surface_points import closest_points
@@ -56,7 +57,7 @@ def placed_where_told(
     known = (off < LAID * mesh.mean_edge_length) & told[met.nearest_vertices(image)]
     backward = _laid(back, met.interpolate(image, there.part.mesh.vertices), known)
     found = drawn_together(questions, (forward, backward), strain)
-    if not all(place.shared.any() for place in found):
+    if not share_something(found):
         return found
     return looked_closer(questions, queries, found, strain=strain)
 

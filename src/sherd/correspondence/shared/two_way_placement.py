@@ -41,6 +41,7 @@ __all__ = [
     "first_look",
     "looked_closer",
     "placed_together",
+    "share_something",
     "sharing_cost",
 ]
 
@@ -204,6 +205,11 @@ def _judged(question: Question, own: SharedPlacement, look: Look) -> SharedPlace
     positions = own.deformation.positions
     alike = similar_places(question.full, positions, look, reach=ANSWER_REACH)[2]
     return replace(own, similarity=alike)
+
+
+def share_something(placements: Both[SharedPlacement]) -> bool:
+    """Whether each of both shapes has vertices that the other one has, too."""
+    return all(bool(place.shared.any()) for place in placements)
 
 
 def sharing_cost(trip: RoundTrip, strain: Floats, accepted: float) -> Floats:

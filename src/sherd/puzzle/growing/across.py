@@ -17,6 +17,7 @@ from sherd.arrays import Bools, Floats, Ints
 from sherd.correspondence.confidence import LEAST, MOST
 from sherd.correspondence.shared.judgment import shared_area
 from sherd.correspondence.shared.round_trip import on_border
+from sherd.correspondence.shared.two_way_placement import share_something
 from sherd.errors import InfeasibleError
 from sherd.match import match_one_side, match_result
 from sherd.mesh.surface_points import closest_points
@@ -90,7 +91,7 @@ def laid_across(body: Body, second: TriangleMesh) -> Meeting | None:
     if not told.known.any():
         return None
     met = body.met(second, told)
-    if not all(place.shared.any() for place in met.placements):
+    if not share_something(met.placements):
         return None
     if lies_within(met.questions, met.placements):
         return None
@@ -128,7 +129,7 @@ def twin_features(image: MatchResult, lying: Meeting) -> Floats:
 
 
 def _twin_chance(image: MatchResult, lying: Meeting) -> float:
-    if not all(place.shared.any() for place in lying.placements):
+    if not share_something(lying.placements):
         return LEAST
     features = twin_features(image, lying)
     return float(1.0 / (1.0 + np.exp(-features @ np.array(TWIN_COEFFICIENTS))))

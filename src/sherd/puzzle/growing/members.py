@@ -17,7 +17,7 @@ import numpy as np
 
 from sherd.arrays import Bools, Floats, Ints
 from sherd.correspondence.confidence import LEAST
-from sherd.correspondence.shared.two_way_placement import CLOSED
+from sherd.correspondence.shared.two_way_placement import CLOSED, share_something
 from sherd.mesh.surface_points import closest_points
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.puzzle.growing.asking import LIKELY, Asking, against, asked, unless_strangers
@@ -99,7 +99,7 @@ def laid_as_before(
     if not told.known.any():
         return None
     met = asking.lay(first, second, told)
-    if not all(place.shared.any() for place in met.placements):
+    if not share_something(met.placements):
         return None
     chance = before.met.chance * ends_with_one(met.questions, met.placements)
     join = Join(first, second, replace(met, chance=max(chance, LEAST)))

@@ -21,7 +21,7 @@ from sherd.correspondence.question import Question
 from sherd.correspondence.shared.judgment import MIRROR_CHANCE
 from sherd.correspondence.shared.likeness import Likeness
 from sherd.correspondence.shared.relief_correlation import alike_in_relief
-from sherd.correspondence.shared.two_way_placement import SharedPlacement
+from sherd.correspondence.shared.two_way_placement import SharedPlacement, share_something
 from sherd.mesh.border_loops import border_loops
 from sherd.results.advice import SURE
 from sherd.surface.transformed import mirrored, sampled_within
@@ -195,7 +195,7 @@ def join_features(
     nodes inside, seeing only what is shared, the share whose places lead, 0 where it is too little
     to be seen; how alike reliefs are.
     """
-    if not all(place.shared.any() for place in placements):
+    if not share_something(placements):
         worth = float(np.clip(labelings.worth, -1.0, 1.0))
         return np.array([1.0, labelings.agreement, worth, 0.0, 0.0, UNSHARED_STRAIN, 0.0, 0.0])
     both = tuple(zip(questions, placements, strict=True))

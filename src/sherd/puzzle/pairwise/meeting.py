@@ -23,7 +23,12 @@ from sherd.correspondence.question import NO_PINS, Question
 from sherd.correspondence.shared.judgment import likeness_of_both
 from sherd.correspondence.shared.places_by_form import finished_place, labelings_by_form
 from sherd.correspondence.shared.relief_correlation import alike_in_relief
-from sherd.correspondence.shared.two_way_placement import SharedPlacement, first_look, looked_closer
+from sherd.correspondence.shared.two_way_placement import (
+    SharedPlacement,
+    first_look,
+    looked_closer,
+    share_something,
+)
 from sherd.correspondence.working_placement import Queries
 from sherd.descriptors.relief import form
 from sherd.mesh.surface_points import closest_points
@@ -208,7 +213,7 @@ def _answer(
     """
     strain = OverlapOptions().strain
     laid = first_look(questions, labelings, queries, strain=strain)
-    if not all(place.shared.any() for place in laid):
+    if not share_something(laid):
         unlike = (_unlike(laid[0], queries[0]), _unlike(laid[1], queries[1]))
         return Meeting(questions, queries, unlike, LEAST, twin=False)
     placements = looked_closer(questions, queries, laid, strain=strain)
@@ -244,7 +249,7 @@ def _slid(met: Meeting, skin: SlidChance) -> Meeting:
     makes it likelier nor reliefs more alike, at a width finer than those it slides by.
     """
     found = slid(met.questions, met.placements, strain=OverlapOptions().strain)
-    if not all(place.shared.any() for place in found):
+    if not share_something(found):
         sure = skin.chance >= JOINED > met.chance
         return _judged(met, skin) if sure else replace(met, by_skin=skin.by_skin)
     likeness = likeness_of_both(met.questions, found)

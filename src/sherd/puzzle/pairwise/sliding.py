@@ -21,7 +21,11 @@ from sherd.correspondence.labels.two_way import Both
 from sherd.correspondence.question import Question
 from sherd.correspondence.registration import Deformation
 from sherd.correspondence.shared.relief_correlation import alike_in, seen_area
-from sherd.correspondence.shared.two_way_placement import SharedPlacement, drawn_together
+from sherd.correspondence.shared.two_way_placement import (
+    SharedPlacement,
+    drawn_together,
+    share_something,
+)
 from sherd.descriptors.relief import relief_and_bulge
 from sherd.mesh.geometry import vertex_normals
 from sherd.mesh.triangle_mesh import TriangleMesh
@@ -64,13 +68,13 @@ def slid(
     """
     found = placements
     for _ in range(ROUNDS):
-        if not all(place.shared.any() for place in found):
+        if not share_something(found):
             return placements
         moved = side_by_side(
             partial(_moved, *each) for each in zip(questions, found, found[::-1], strict=True)
         )
         found = drawn_together(questions, (moved[0], moved[1]), strain)
-    if not all(place.shared.any() for place in found):
+    if not share_something(found):
         return placements
     return (
         replace(found[0], similarity=placements[0].similarity),
