@@ -17,7 +17,7 @@ def answers(monkeypatch: pytest.MonkeyPatch, *given: tuple[float, int]) -> list[
     rivals = places[:, None] != places[None, :]
     monkeypatch.setattr(module, "are_rivals", lambda *_: rivals)
     nothing: Any = None
-    return [Meeting(nothing, nothing, nothing, chance, twin=False) for chance, _ in given]
+    return [Meeting(nothing, nothing, nothing, 1.0, chance, twin=False) for chance, _ in given]
 
 
 def test_an_answer_without_a_rival_keeps_its_chance(monkeypatch) -> None:

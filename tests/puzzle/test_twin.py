@@ -36,7 +36,7 @@ def met(
     placements: Any = (None, SimpleNamespace(shared=place))
     queries: Any = None
     return Meeting(
-        questions, queries, placements, chance, twin, by_skin, fitting=by_skin, leads=leads
+        questions, queries, placements, 1.0, chance, twin, by_skin, fitting=by_skin, leads=leads
     )
 
 
@@ -64,6 +64,14 @@ def test_without_a_sure_twin_elsewhere_it_stays_as_it_was(image: Meeting) -> Non
 def test_what_lies_on_its_twin_is_not_believed_for_that() -> None:
     wrong = met(TWIN, 0.2, 0.9, twin=True)
     assert beside_their_twins([wrong], never).chance == 0.2
+
+
+def test_what_its_skin_makes_likely_is_the_answer_where_nothing_else_is() -> None:
+    """All that is seen may leave no chance to either."""
+    skin = met(HOLE, 0.01, 0.6, twin=True)
+    few = met(TWIN, 0.03, 0.0)
+    found = beside_their_twins([few, skin], lambda: met(np.zeros(10, dtype=bool), 0.9, 0.0))
+    assert found is skin
 
 
 def test_who_is_sure_or_cannot_be_is_not_asked_again() -> None:

@@ -33,7 +33,8 @@ def pieces() -> tuple[Fragment, Fragment]:
 
 @pytest.fixture(scope="module")
 def met(pieces) -> Meeting:
-    return meeting(pieces[0].mesh, pieces[1].mesh, 0)
+    """Asked in units of the whole, which is larger than both."""
+    return meeting(pieces[0].mesh, pieces[1].mesh, 0, unit=pieces[0].full.length)
 
 
 @pytest.fixture(scope="module")
@@ -44,6 +45,13 @@ def join(pieces, met) -> Join:
 
 def test_pieces_that_overlap_surely_belong_together(met) -> None:
     assert met.chance > SURE
+
+
+def test_the_unit_is_that_of_the_whole_as_far_as_it_is_known(pieces, met) -> None:
+    assert met.unit == pieces[0].full.length
+    assert met.questions[0].full.placed.length * met.unit == pytest.approx(
+        pieces[0].mesh.length, rel=0.02
+    )
 
 
 def test_the_union_is_about_as_large_as_both_together(pieces, join) -> None:

@@ -25,8 +25,7 @@ from sherd.mesh.topology import renumbered
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.output import Stages
 from sherd.place import labeled_again, laid_part, placed_part
-from sherd.puzzle.growing.asking import LIKELY
-from sherd.puzzle.pairwise.answer import Meeting
+from sherd.puzzle.pairwise.answer import LIKELY, Meeting
 from sherd.puzzle.pairwise.body import Body, Told
 from sherd.puzzle.pairwise.join_chance import ends_with_one, lies_within
 from sherd.puzzle.pairwise.meeting import free_vertices

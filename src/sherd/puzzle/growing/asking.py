@@ -14,16 +14,13 @@ from sherd.arrays import Bools, Ints
 from sherd.correspondence.confidence import LEAST
 from sherd.correspondence.shared.judgment import shared_area
 from sherd.puzzle.growing.common_places import left_out, recalled, taken_by
-from sherd.puzzle.growing.record import CROWD, Growth, chance_of, laid_there, odds_of
+from sherd.puzzle.growing.record import CROWD, Growth, laid_there, odds_of
 from sherd.puzzle.growing.union import Join, Union
-from sherd.puzzle.pairwise.answer import JOINED, Meeting
+from sherd.puzzle.pairwise.answer import JOINED, LIKELY, Ground, Meeting, ground_of
 from sherd.puzzle.pairwise.body import Told
 from sherd.puzzle.pairwise.meeting import NOTHING_KNOWN
 
-__all__ = ["LIKELY", "Asking", "Meet", "against", "asked", "unless_strangers"]
-
-# More likely right than not.
-LIKELY = 0.5
+__all__ = ["Asking", "Meet", "against", "asked", "unless_strangers"]
 
 # Two that are both strangers to the largest piece share more than this of its area, or are not
 # believed: no larger union will see it again. A man's limb on a part of a cat, neither of which the
@@ -62,12 +59,7 @@ class Asking:
 def asked(first: Union, second: Union, meet: Meet, growth: Growth) -> Join:
     """The answer of two unions, the larger one first; what is likely is kept in mind."""
     join = _answered(first, second, meet, growth)
-    if join.met.chance >= LIKELY:
-        growth.likely.append(join)
-    elif join.met.by_skin >= LIKELY and not join.met.twin:
-        growth.by_skin.append(join.with_chance(join.met.by_skin))
-    elif join.met.filling >= LIKELY and not join.met.twin:
-        growth.filling.append(join.with_chance(join.met.filling))
+    growth.keep_in_mind(join)
     return join
 
 
@@ -85,8 +77,7 @@ def unless_strangers(join: Join, growth: Growth) -> Join:
 
 def _common_area(join: Join) -> float:
     """What both share, in the unit of their meshes."""
-    unit = max(join.first.mesh.area, join.second.mesh.area)
-    return shared_area(join.met.questions, join.met.placements) * unit
+    return shared_area(join.met.questions, join.met.placements) * join.met.unit**2
 
 
 def _answered(first: Union, second: Union, meet: Meet, growth: Growth) -> Join:
@@ -106,7 +97,7 @@ def _answered(first: Union, second: Union, meet: Meet, growth: Growth) -> Join:
         if elsewhere.met.chance >= JOINED:
             growth.settle(join, second.members)
             taken = place
-        join = max(join, elsewhere, key=chance_of)
+        join = max(join, elsewhere, key=_ground_of)
     likely = growth.likely_before(first, second)
     contradicting = [each for each in likely if left_out(each, join) > CROWD]
     if join.met.chance >= JOINED:
@@ -117,8 +108,12 @@ def _answered(first: Union, second: Union, meet: Meet, growth: Growth) -> Join:
     known = recalled(before, first, second)
     if len(known):
         again = Join(first, second, meet(first, second, known, taken))
-        join = max(join, again, key=chance_of)
+        join = max(join, again, key=_ground_of)
     return _confirmed(join, before)
+
+
+def _ground_of(join: Join) -> tuple[Ground, float]:
+    return ground_of(join.met)
 
 
 def _uncontradicted(
@@ -138,7 +133,7 @@ def _uncontradicted(
         if left_out(before, again) <= CROWD:
             if odds_of(again) > odds_of(join):
                 return against(again, join)
-            before = max(before, again, key=chance_of)
+            before = max(before, again, key=_ground_of)
     return against(join, before)
 
 

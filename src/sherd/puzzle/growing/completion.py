@@ -12,11 +12,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import combinations
 
-from sherd.puzzle.growing.asking import LIKELY, Asking
+from sherd.puzzle.growing.asking import Asking
 from sherd.puzzle.growing.common_places import crowding, left_out, recalled
 from sherd.puzzle.growing.members import laid_as_before
 from sherd.puzzle.growing.record import CROWD, Growth, chance_of
 from sherd.puzzle.growing.union import Join, Union, larger_first, united
+from sherd.puzzle.pairwise.answer import LIKELY
 from sherd.puzzle.pairwise.join_chance import fills_a_gap, lies_within
 
 __all__ = ["with_likely", "with_twins"]

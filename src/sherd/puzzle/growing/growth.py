@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from functools import cache
 
 from sherd.arrays import Floats
-from sherd.puzzle.growing.asking import LIKELY, Asking, Meet, asked, unless_strangers
+from sherd.puzzle.growing.asking import Asking, Meet, asked, unless_strangers
 from sherd.puzzle.growing.common_places import crowding, laid_alike, taken_by
 from sherd.puzzle.growing.completion import with_likely, with_twins
 from sherd.puzzle.growing.joined_maps import open_loop
@@ -21,7 +21,7 @@ from sherd.puzzle.growing.members import ask_members, told_by_members
 from sherd.puzzle.growing.poses import ask_in_poses
 from sherd.puzzle.growing.record import CROWD, UNASKED, Growth, chance_of, odds_of
 from sherd.puzzle.growing.union import Join, Union, larger_first, united
-from sherd.puzzle.pairwise.answer import JOINED
+from sherd.puzzle.pairwise.answer import JOINED, LIKELY
 from sherd.puzzle.pairwise.meeting import NOTHING_KNOWN
 
 __all__ = ["grown"]

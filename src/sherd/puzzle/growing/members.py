@@ -20,11 +20,11 @@ from sherd.correspondence.confidence import LEAST
 from sherd.correspondence.shared.two_way_placement import CLOSED, share_something
 from sherd.mesh.surface_points import closest_points
 from sherd.mesh.triangle_mesh import TriangleMesh
-from sherd.puzzle.growing.asking import LIKELY, Asking, against, asked, unless_strangers
+from sherd.puzzle.growing.asking import Asking, against, asked, unless_strangers
 from sherd.puzzle.growing.common_places import left_out, nearest_places
 from sherd.puzzle.growing.record import CROWD, Growth, chance_of, laid_there
 from sherd.puzzle.growing.union import LAYER, Join, Union, larger_first, named_at, origins
-from sherd.puzzle.pairwise.answer import JOINED
+from sherd.puzzle.pairwise.answer import JOINED, LIKELY
 from sherd.puzzle.pairwise.body import Told
 from sherd.puzzle.pairwise.join_chance import ends_with_one
 

@@ -18,11 +18,11 @@ from sherd.correspondence.question import Question
 from sherd.mesh.geometry import closest_rotation
 from sherd.mesh.surface_points import closest_points
 from sherd.mesh.triangle_mesh import TriangleMesh
-from sherd.puzzle.growing.asking import LIKELY, Asking, asked, unless_strangers
+from sherd.puzzle.growing.asking import Asking, asked, unless_strangers
 from sherd.puzzle.growing.members import carried
 from sherd.puzzle.growing.record import Growth
 from sherd.puzzle.growing.union import LAYER, Union, floating, larger_first, named_at
-from sherd.puzzle.pairwise.answer import Meeting
+from sherd.puzzle.pairwise.answer import Ground, Meeting, ground_of
 from sherd.surface.described import DescribedSurface
 from sherd.surface.prepared import described_part
 
@@ -98,7 +98,7 @@ def _ranked(union: Union, other: Union, evidence: Floats) -> list[int]:
 
 
 def _may_be_likely(met: Meeting) -> bool:
-    return max(met.chance, met.by_skin, met.filling) >= LIKELY
+    return ground_of(met)[0] != Ground.NONE
 
 
 def _are_one(one: Floats, other: Floats, areas: Floats) -> bool:

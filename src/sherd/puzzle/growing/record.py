@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from sherd.arrays import Bools
 from sherd.puzzle.growing.common_places import crowding, taken_by
 from sherd.puzzle.growing.union import Join, Union
+from sherd.puzzle.pairwise.answer import Ground, ground_of
 
 __all__ = ["CROWD", "UNASKED", "Growth", "chance_of", "laid_there", "odds_of"]
 
@@ -114,6 +115,16 @@ class Growth:
                 place = taken_by(join, first)
                 taken = place if taken is None else taken | place
         return taken
+
+    def keep_in_mind(self, join: Join) -> None:
+        """Note what is likely, by its ground; it may be joined when nothing is sure any more."""
+        ground, chance = ground_of(join.met)
+        if ground == Ground.ALL:
+            self.likely.append(join)
+        elif ground == Ground.SKIN:
+            self.by_skin.append(join.with_chance(chance))
+        elif ground == Ground.GAP:
+            self.filling.append(join.with_chance(chance))
 
     def settle(self, join: Join, loser: tuple[int, ...]) -> None:
         """Keep who lost it from a place, and forget that it lay there."""

@@ -129,8 +129,7 @@ def united(join: Join) -> Union:
     faces = np.concatenate([faces, seam])
     faces = _without_cracks(first, TriangleMesh(laid, second.faces), faces)
     kept, renamed = renumbered(faces)
-    unit = max(here.mesh.length, there.mesh.length)
-    rough = TriangleMesh(points[kept] * unit, renamed, name=here.mesh.name)
+    rough = TriangleMesh(points[kept] * join.met.unit, renamed, name=here.mesh.name)
     named = (origins(here, question.full), origins(there, question.part))
     owner = np.concatenate([owners for owners, _ in named])[kept]
     places = np.concatenate([places for _, places in named])[kept]

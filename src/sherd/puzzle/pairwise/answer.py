@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from enum import IntEnum
 
 import numpy as np
 
@@ -15,7 +16,7 @@ from sherd.correspondence.shared.rivals import are_rivals
 from sherd.correspondence.shared.two_way_placement import SharedPlacement
 from sherd.correspondence.working_placement import Queries
 
-__all__ = ["JOINED", "Meeting", "one_place"]
+__all__ = ["JOINED", "LIKELY", "Ground", "Meeting", "ground_of", "one_place"]
 
 # What is so likely is joined. More than is called good of a piece on its whole: what is joined is
 # asked again as one, and a wrong piece draws others after it (a cat's leg on a horse that lacks it,
@@ -23,6 +24,17 @@ __all__ = ["JOINED", "Meeting", "one_place"]
 # is right 0.79 is the least that no larger union had to make surer (a half of the generated animal
 # within the other one); of all right answers to nine puzzles above 0.65 two are below.
 JOINED = 0.78
+# More likely right than not.
+LIKELY = 0.5
+
+
+class Ground(IntEnum):
+    """What makes an answer more likely right than not: the weaker, the later it is joined."""
+
+    NONE = 0
+    GAP = 1
+    SKIN = 2
+    ALL = 3
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,6 +47,8 @@ class Meeting:
         The second on the first, and the first on the second.
     queries, placements
         Of both.
+    unit
+        What the questions' unit of length is in that of the surfaces.
     chance
         That what they share is found rightly, and they belong together.
     twin
@@ -52,12 +66,28 @@ class Meeting:
     questions: Both[Question]
     queries: Both[Queries]
     placements: Both[SharedPlacement]
+    unit: float
     chance: float
     twin: bool
     by_skin: float = 0.0
     fitting: float = 0.0
     filling: float = 0.0
     leads: bool = False
+
+
+def ground_of(met: Meeting) -> tuple[Ground, float]:
+    """The strongest ground on which an answer is likely, and its chance by that.
+
+    What several answers to one question are chosen by: of most all that is seen leaves no chance
+    (LEAST), also of some whose skin alone makes them likely.
+    """
+    if met.chance >= LIKELY:
+        return Ground.ALL, met.chance
+    if met.by_skin >= LIKELY:
+        return Ground.SKIN, met.by_skin
+    if met.filling >= LIKELY:
+        return Ground.GAP, met.filling
+    return Ground.NONE, met.chance
 
 
 def one_place(answers: Sequence[Meeting]) -> list[Meeting]:

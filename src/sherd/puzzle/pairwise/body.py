@@ -77,4 +77,4 @@ class Body:
         known = told.known[own.nearest_vertices(there.part.placed)]
         strain = OverlapOptions().strain
         placements = placed_where_told(questions, queries, targets, known, strain=strain)
-        return Meeting(questions, queries, placements, LEAST, twin=False)
+        return Meeting(questions, queries, placements, self.mesh.length, LEAST, twin=False)

@@ -74,8 +74,9 @@ def meeting(
     known: Ints = NOTHING_KNOWN,
     taken: Bools | None = None,
     describe: Describe = described_part,
+    unit: float = 0.0,
 ) -> Meeting:
-    """Ask what two surfaces share, in units of sqrt(area) of the larger one.
+    """Ask what two surfaces share, in units of sqrt(area) of their whole, as far as that is known.
 
     Parameters
     ----------
@@ -90,37 +91,45 @@ def meeting(
         (n,) vertices of the first where nothing of the second may be laid; none if None.
     describe
         Describes a surface where nothing is known; it may recall one.
+    unit
+        What sqrt(area) of the whole may be, in that unit of length. That of the larger one is the
+        least that it can be, and counts if it is more.
     """
-    surfaces = described = _described(first, second, known, describe)
+    unit = max(first.length, second.length, unit)
+    surfaces = described = _described(first, second, unit, known, describe)
     free = None if taken is None else free_vertices(surfaces[0], first, taken)
     if free is not None and free[surfaces[0].sparse.vertices].any():
         known = known[free[surfaces[0].working.working_vertices(known[:, 0])]]
         surfaces = (sampled_within(surfaces[0], free), surfaces[1])
-    asked = _Asked.of(surfaces, seed, known, free)
+    asked = _Asked.of(surfaces, unit, seed, known, free)
     first_answer = asked.first_answer()
     answers = [first_answer]
     if first_answer.chance < JOINED:
         answers = one_place([first_answer, *asked.further_answers()])
-    return beside_their_twins(answers, partial(_mirrored_answer, described, seed))
+    return beside_their_twins(answers, partial(_mirrored_answer, described, unit, seed))
 
 
 @one_blas_thread()
 def glance(
-    first: TriangleMesh, second: TriangleMesh, seed: int, describe: Describe = described_part
+    first: TriangleMesh,
+    second: TriangleMesh,
+    seed: int,
+    describe: Describe = described_part,
+    unit: float = 0.0,
 ) -> Meeting:
     """As :func:`meeting`, but where labels save most and nowhere else, nor of the mirror image.
 
     A third of the time where that is not sure, and as much where it is.
     """
-    surfaces = _described(first, second, NOTHING_KNOWN, describe)
-    return _Asked.of(surfaces, seed, NOTHING_KNOWN, None).first_answer()
+    unit = max(first.length, second.length, unit)
+    surfaces = _described(first, second, unit, NOTHING_KNOWN, describe)
+    return _Asked.of(surfaces, unit, seed, NOTHING_KNOWN, None).first_answer()
 
 
 def _described(
-    first: TriangleMesh, second: TriangleMesh, known: Ints, describe: Describe
+    first: TriangleMesh, second: TriangleMesh, unit: float, known: Ints, describe: Describe
 ) -> Both[DescribedSurface]:
-    """Both in units of the larger one, ready to be asked; sampled at what is known."""
-    unit = max(first.length, second.length)
+    """Both in one unit, ready to be asked; sampled at what is known."""
     if len(known):
         surfaces = (
             described_part(first, unit, sampled_at=known[:, 0]),
@@ -133,11 +142,11 @@ def _described(
     return surfaces
 
 
-def _mirrored_answer(surfaces: Both[DescribedSurface], seed: int) -> Meeting:
+def _mirrored_answer(surfaces: Both[DescribedSurface], unit: float, seed: int) -> Meeting:
     """Of the mirror image of the second surface; nothing is known of it, and no place is taken."""
     image = mirrored(surfaces[1])
     prepare_both_ways(image)
-    return _Asked.of((surfaces[0], image), seed, NOTHING_KNOWN, None).first_answer()
+    return _Asked.of((surfaces[0], image), unit, seed, NOTHING_KNOWN, None).first_answer()
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,6 +159,8 @@ class _Asked:
         Of both directions.
     labelings
         What saves most.
+    unit
+        Of length, in that of the meshes.
     seed
         Of all random choices.
     """
@@ -158,11 +169,17 @@ class _Asked:
     queries: Both[Queries]
     problems: Both[Problem]
     labelings: TwoLabelings
+    unit: float
     seed: int
 
     @classmethod
     def of(
-        cls, surfaces: Both[DescribedSurface], seed: int, known: Ints, free: Bools | None
+        cls,
+        surfaces: Both[DescribedSurface],
+        unit: float,
+        seed: int,
+        known: Ints,
+        free: Bools | None,
     ) -> _Asked:
         """Label both by normals and by relief; what is known and what is taken rules labels out."""
         there, back = questions_of(surfaces, known, unknown=False)
@@ -178,6 +195,7 @@ class _Asked:
             queries_both_ways(questions, seed),
             problems,
             labeled_both_ways(problems, seed),
+            unit,
             seed,
         )
 
@@ -200,11 +218,15 @@ class _Asked:
         return side_by_side(partial(self._answer, each) for each in tried)
 
     def _answer(self, labelings: TwoLabelings) -> Meeting:
-        return _answer(self.questions, self.queries, self.seed, labelings)
+        return _answer(self.questions, self.queries, self.unit, self.seed, labelings)
 
 
 def _answer(
-    questions: Both[Question], queries: Both[Queries], seed: int, labelings: TwoLabelings
+    questions: Both[Question],
+    queries: Both[Queries],
+    unit: float,
+    seed: int,
+    labelings: TwoLabelings,
 ) -> Meeting:
     """Both surfaces laid on each other by one labeling of both, and how likely that is right.
 
@@ -215,7 +237,7 @@ def _answer(
     laid = first_look(questions, labelings, queries, strain=strain)
     if not share_something(laid):
         unlike = (_unlike(laid[0], queries[0]), _unlike(laid[1], queries[1]))
-        return Meeting(questions, queries, unlike, LEAST, twin=False)
+        return Meeting(questions, queries, unlike, unit, LEAST, twin=False)
     placements = looked_closer(questions, queries, laid, strain=strain)
     likeness = likeness_of_both(questions, placements)
     features = join_features(labelings, questions, placements, likeness, seed)
@@ -228,6 +250,7 @@ def _answer(
         questions,
         queries,
         placements,
+        unit,
         chance,
         twin,
         fitting=skin.fitting,

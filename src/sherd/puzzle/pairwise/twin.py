@@ -19,7 +19,7 @@ from scipy.stats import wasserstein_distance
 from sherd.arrays import Floats, Ints
 from sherd.correspondence.confidence import LEAST, MOST
 from sherd.correspondence.shared.two_way_placement import SharedPlacement
-from sherd.puzzle.pairwise.answer import JOINED, Meeting
+from sherd.puzzle.pairwise.answer import JOINED, Meeting, ground_of
 from sherd.puzzle.pairwise.join_chance import ends_with_one, lies_within
 from sherd.surface.described import DescribedSurface
 
@@ -63,7 +63,7 @@ def beside_their_twins(
     asked_mirrored
         Asks the same of the mirror image of the second surface.
     """
-    best, first = max(answers, key=_chance), answers[0]
+    best, first = max(answers, key=ground_of), answers[0]
     if best.chance >= JOINED:
         return best
     beside = [each for each in answers if not lies_within(each.questions, each.placements)]
@@ -84,7 +84,7 @@ def beside_their_twins(
         for each, chance in raised
         if _common(each, twin) < COMMON
     ]
-    return max([best, *sure], key=_chance)
+    return max([best, *sure], key=ground_of)
 
 
 def _raised(chance: float) -> float:
@@ -129,7 +129,3 @@ def apart_by_distances(first: Floats, second: Floats, weights: Floats) -> float:
     """Mean Wasserstein distance of the rows of two arrays (q, n), by weights (n,)."""
     rows = zip(first, second, strict=True)
     return float(np.mean([wasserstein_distance(*row, weights, weights) for row in rows]))
-
-
-def _chance(met: Meeting) -> float:
-    return met.chance
