@@ -19,7 +19,7 @@ from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.output import Stages
 from sherd.overlap import check_overlap_sizes
 from sherd.puzzle.growing.across import laid_across
-from sherd.puzzle.growing.asking import Asking
+from sherd.puzzle.growing.asking import Asking, at_large
 from sherd.puzzle.growing.growth import grown
 from sherd.puzzle.growing.joined_maps import direct_maps
 from sherd.puzzle.growing.record import Growth
@@ -41,10 +41,9 @@ __all__ = ["STAGES", "join"]
 STAGES = ("evidence", "growth", "synchronization")
 
 # What belongs together overlaps, so pieces have more area than their whole: half as much again, if
-# each reaches half as far again. Of pairs of a horse and a cat whose pieces have a third of the
-# whole each, the right answers have chances of 0.19 to 0.77 in units of one piece, and 0.97 to 0.99
-# in units of the whole; in units of 0.8 of it 0.94 to 0.99, of 1.3 as many, but for what shares
-# little, which is not found. So bumps and neighborhoods are looked at as large as on a whole.
+# each reaches half as far again. Right answers of a horse and a cat whose pieces have a third of
+# the whole each have chances of 0.97 to 0.99 in units of the whole, in units of 0.8 of it 0.94 to
+# 0.99, of 1.3 as many, but for what shares little, which is not found.
 OVERLAPPING = 1.5
 # And where pieces of several wholes are asked together, none of which is known, one is thought to
 # have no more than so much of the area of the largest piece.
@@ -120,26 +119,26 @@ def join(
     largest = max(shapes, key=lambda shape: shape.mesh.area)
     for shape in shapes:
         check_overlap_sizes((largest, shape), 1.0)
-    unit = _length_of_whole([shape.mesh.area for shape in shapes])
-    # all are asked in one unit, and a union that asks all others is one more
-    describe = lru_cache(maxsize=len(shapes) + 1)(described_part)
+    unit = largest.mesh.length
+    whole = _length_of_whole([shape.mesh.area for shape in shapes])
+    # each may be asked in two units, and a union that asks all others is one more
+    describe = lru_cache(maxsize=2 * len(shapes) + 1)(described_part)
     with stages("evidence"):
         evidence = pair_evidence([describe(shape.mesh, unit) for shape in shapes], options.seed)
     with stages("growth"):
         alone = [Union.of_piece(shape.mesh, number) for number, shape in enumerate(shapes)]
         # one body asks all that are left at last
         body = lru_cache(maxsize=1)(partial(Body, seed=options.seed))
-        asking = _Asking(options.seed, unit, describe, body, stages)
+        asking = _Asking(options.seed, whole, describe, body, stages)
         growth = grown(alone, evidence, asking.ways)
     originals = [intake.original for intake in intakes]
     with stages("synchronization"):
         # of members that told their unions the own answer says more than that of the unions
         direct = direct_maps(originals, [*growth.joins, *_told(growth)])
-        length = largest.mesh.length
-        maps = synchronized(originals, direct, length)
+        maps = synchronized(originals, direct, unit)
         errors = (
-            cycle_error(originals, direct, length),
-            cycle_error(originals, maps, length),
+            cycle_error(originals, direct, unit),
+            cycle_error(originals, maps, unit),
         )
     chances = _chances(growth)
     return Joined(
@@ -182,10 +181,16 @@ def _length_of_whole(areas: Sequence[float]) -> float:
 
 @dataclass(frozen=True)
 class _Asking:
-    """What unions share, asked while the terminal says of which; see :func:`meeting`."""
+    """What unions share, asked while the terminal says of which; see :func:`meeting`.
+
+    Attributes
+    ----------
+    whole
+        What sqrt(area) of the whole may be.
+    """
 
     seed: int
-    unit: float
+    whole: float
     describe: Describe
     body: Callable[[TriangleMesh], Body]
     stages: Stages
@@ -198,12 +203,16 @@ class _Asking:
     def met(self, first: Union, second: Union, known: Ints, taken: Bools | None) -> Meeting:
         """All that is known."""
         self.stages.show(f"growth: {_named(first)} and {_named(second)}")
-        return meeting(first.mesh, second.mesh, self.seed, known, taken, self.describe, self.unit)
+        met = meeting(first.mesh, second.mesh, self.seed, known, taken, self.describe)
+        if len(known) or taken is not None:
+            return met
+        wide = partial(glance, first.mesh, second.mesh, self.seed, self.describe, self.whole)
+        return at_large(Join(first, second, met), self.whole, wide).met
 
     def glance(self, first: Union, second: Union) -> Meeting:
         """Of two pieces, what is plain to see."""
         self.stages.show(f"growth: {_named(first)} and {_named(second)}")
-        return glance(first.mesh, second.mesh, self.seed, self.describe, self.unit)
+        return glance(first.mesh, second.mesh, self.seed, self.describe)
 
     def laid(self, first: Union, second: Union, told: Told) -> Meeting:
         """Both where that is told."""
