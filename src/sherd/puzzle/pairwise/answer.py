@@ -87,7 +87,7 @@ def ground_of(met: Meeting) -> tuple[Ground, float]:
         return Ground.SKIN, met.by_skin
     if met.filling >= LIKELY:
         return Ground.GAP, met.filling
-    return Ground.NONE, met.chance
+    return Ground.NONE, max(met.chance, met.by_skin)
 
 
 def one_place(answers: Sequence[Meeting]) -> list[Meeting]:
