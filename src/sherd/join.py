@@ -206,7 +206,8 @@ class _Asking:
         met = meeting(first.mesh, second.mesh, self.seed, known, taken, self.describe)
         if len(known) or taken is not None:
             return met
-        wide = partial(glance, first.mesh, second.mesh, self.seed, self.describe, self.whole)
+        asked = partial(meeting, first.mesh, second.mesh, self.seed)
+        wide = partial(asked, describe=self.describe, unit=self.whole)
         return at_large(Join(first, second, met), self.whole, wide).met
 
     def glance(self, first: Union, second: Union) -> Meeting:

@@ -111,17 +111,13 @@ def meeting(
 
 @one_blas_thread()
 def glance(
-    first: TriangleMesh,
-    second: TriangleMesh,
-    seed: int,
-    describe: Describe = described_part,
-    unit: float = 0.0,
+    first: TriangleMesh, second: TriangleMesh, seed: int, describe: Describe = described_part
 ) -> Meeting:
     """As :func:`meeting`, but where labels save most and nowhere else, nor of the mirror image.
 
     A third of the time where that is not sure, and as much where it is.
     """
-    unit = max(first.length, second.length, unit)
+    unit = max(first.length, second.length)
     surfaces = _described(first, second, unit, NOTHING_KNOWN, describe)
     return _Asked.of(surfaces, unit, seed, NOTHING_KNOWN, None).first_answer()
 
