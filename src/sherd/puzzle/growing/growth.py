@@ -19,7 +19,7 @@ from sherd.puzzle.growing.completion import with_likely, with_twins
 from sherd.puzzle.growing.joined_maps import open_loop
 from sherd.puzzle.growing.members import ask_members, told_by_members
 from sherd.puzzle.growing.poses import ask_in_poses
-from sherd.puzzle.growing.record import CROWD, UNASKED, Growth, chance_of, odds_of
+from sherd.puzzle.growing.record import CROWD, UNASKED, Growth, chance_of, odds_beside, odds_of
 from sherd.puzzle.growing.union import Join, Union, larger_first, united
 from sherd.puzzle.pairwise.answer import JOINED, LIKELY
 from sherd.puzzle.pairwise.meeting import NOTHING_KNOWN
@@ -195,7 +195,7 @@ def _rivals(join: Join, others: Sequence[Union], growth: Growth) -> list[Join]:
         for other in others
         if other.members != join.second.members and growth.promise(join.first, other) >= JOINED
         for before in growth.sure_before(join.first, other)
-        if _odds_beside(join, before) < DECIDED
+        if odds_beside(join, before, OVERLAPPING) < DECIDED
         and crowding(join, before) > CROWD
         and {join.second.members, other.members} not in growth.together
     ]
@@ -269,14 +269,3 @@ def _odds_of(joins: tuple[Join, Join]) -> float:
     """Odds that one of two lies at a place and the other where it was asked then, or nowhere."""
     there, elsewhere = joins
     return odds_of(there) * max(odds_of(elsewhere), 1.0)
-
-
-def _odds_beside(join: Join, rival: Join) -> float:
-    """Odds that a place is right which a rival claims as well, rightly or not.
-
-        P(right) : P(wrong) = (OVERLAPPING o o' + o) : (o' + 1),     o, o': odds of both
-
-    Both right, it alone; the rival alone, neither. So where both are beyond doubt they overlap.
-    """
-    own, its = odds_of(join), odds_of(rival)
-    return own * (1.0 + OVERLAPPING * its) / (1.0 + its)

@@ -10,7 +10,7 @@ from sherd.puzzle.growing.common_places import crowding, taken_by
 from sherd.puzzle.growing.union import Join, Union
 from sherd.puzzle.pairwise.answer import Ground, ground_of
 
-__all__ = ["CROWD", "UNASKED", "Growth", "chance_of", "laid_there", "odds_of"]
+__all__ = ["CROWD", "UNASKED", "Growth", "chance_of", "laid_there", "odds_beside", "odds_of"]
 
 # Above all chances: who was never asked is asked first.
 UNASKED = 2.0
@@ -155,6 +155,18 @@ def chance_of(join: Join) -> float:
 def odds_of(join: Join) -> float:
     """The same as odds."""
     return join.met.chance / (1.0 - join.met.chance)
+
+
+def odds_beside(join: Join, rival: Join, often: float) -> float:
+    """Odds that a place is right which a rival claims as well, rightly or not.
+
+        P(right) : P(wrong) = (often o o' + o) : (o' + 1),     o, o': odds of both
+
+    Both right, which is so `often` of two that are; it alone; the rival alone, neither. So where
+    both are beyond doubt they overlap.
+    """
+    own, its = odds_of(join), odds_of(rival)
+    return own * (1.0 + often * its) / (1.0 + its)
 
 
 def laid_there(before: Join, join: Join, members: tuple[int, ...]) -> bool:
