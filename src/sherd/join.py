@@ -44,10 +44,10 @@ STAGES = ("evidence", "growth", "synchronization")
 # each reaches half as far again. Right answers of a horse and a cat whose pieces have a third of
 # the whole each have chances of 0.97 to 0.99 in units of the whole, in units of 0.8 of it 0.94 to
 # 0.99, of 1.3 as many, but for what shares little, which is not found.
-OVERLAPPING = 1.5
+COVERED = 1.5
 # And where pieces of several wholes are asked together, none of which is known, one is thought to
 # have no more than so much of the area of the largest piece.
-PIECES = 3.0
+MOST_OF_LARGEST = 3.0
 
 
 def join(
@@ -176,7 +176,7 @@ def join(
 def _length_of_whole(areas: Sequence[float]) -> float:
     """What sqrt(area) of the whole may be, of which nothing is known but its pieces."""
     largest = max(areas)
-    return math.sqrt(np.clip(sum(areas) / OVERLAPPING, largest, PIECES * largest))
+    return math.sqrt(np.clip(sum(areas) / COVERED, largest, MOST_OF_LARGEST * largest))
 
 
 @dataclass(frozen=True)
@@ -201,13 +201,19 @@ class _Asking:
         return Asking(self.met, self.glance, self.laid, self.across)
 
     def met(self, first: Union, second: Union, known: Ints, taken: Bools | None) -> Meeting:
-        """All that is known."""
+        """All that is known; what is not sure by itself also at large, see :func:`at_large`."""
         self.stages.show(f"growth: {_named(first)} and {_named(second)}")
         met = meeting(first.mesh, second.mesh, self.seed, known, taken, self.describe)
         if len(known) or taken is not None:
             return met
-        asked = partial(meeting, first.mesh, second.mesh, self.seed)
-        wide = partial(asked, describe=self.describe, unit=self.whole)
+        wide = partial(
+            meeting,
+            first.mesh,
+            second.mesh,
+            self.seed,
+            describe=self.describe,
+            unit=self.whole,
+        )
         return at_large(Join(first, second, met), self.whole, wide).met
 
     def glance(self, first: Union, second: Union) -> Meeting:

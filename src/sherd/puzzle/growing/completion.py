@@ -16,16 +16,12 @@ from sherd.correspondence.confidence import LEAST
 from sherd.puzzle.growing.asking import Asking
 from sherd.puzzle.growing.common_places import crowding, left_out, recalled
 from sherd.puzzle.growing.members import laid_as_before
-from sherd.puzzle.growing.record import CROWD, Growth, chance_of, odds_beside
+from sherd.puzzle.growing.record import CROWD, CROWDED_AT_LAST, Growth, chance_of, odds_beside
 from sherd.puzzle.growing.union import Join, Union, larger_first, united
 from sherd.puzzle.pairwise.answer import JOINED, LIKELY
 from sherd.puzzle.pairwise.join_chance import fills_a_gap, lies_within
 
 __all__ = ["with_likely", "with_twins"]
-
-# Two right pieces crowd each other so often, if they reach half as far again into their neighbors:
-# 31 of 120 that share something with the largest of six. What was joined overlaps by about as much.
-OVERLAPPING = 0.26
 
 
 def with_likely(groups: Sequence[Union], asking: Asking, growth: Growth) -> list[Union]:
@@ -189,7 +185,7 @@ def _chance_beside(before: Join, growth: Growth) -> float:
         return before.met.chance
     if before.met.chance < JOINED:
         return LEAST
-    odds = odds_beside(before, max(rivals, key=chance_of), OVERLAPPING)
+    odds = odds_beside(before, max(rivals, key=chance_of), CROWDED_AT_LAST)
     return odds / (1.0 + odds)
 
 

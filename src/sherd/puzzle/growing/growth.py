@@ -19,7 +19,15 @@ from sherd.puzzle.growing.completion import with_likely, with_twins
 from sherd.puzzle.growing.joined_maps import open_loop
 from sherd.puzzle.growing.members import ask_members, told_by_members
 from sherd.puzzle.growing.poses import ask_in_poses
-from sherd.puzzle.growing.record import CROWD, UNASKED, Growth, chance_of, odds_beside, odds_of
+from sherd.puzzle.growing.record import (
+    CROWD,
+    CROWDED,
+    UNASKED,
+    Growth,
+    chance_of,
+    odds_beside,
+    odds_of,
+)
 from sherd.puzzle.growing.union import Join, Union, larger_first, united
 from sherd.puzzle.pairwise.answer import JOINED, LIKELY
 from sherd.puzzle.pairwise.meeting import NOTHING_KNOWN
@@ -35,10 +43,6 @@ ENOUGH = 0.9
 # Of two that are laid on one place one may be wrong, as two arms of a person, or they overlap
 # there. Neither is joined unless its place is right with odds of three to one.
 DECIDED = 3.0
-# Two right pieces crowd each other so often, if they share a tenth with their neighbors: 6 of 95
-# that share something with the largest of six (four animals and people, twelve puzzles); 17 of 116
-# and 31 of 120 if a quarter and a half. That a wrong one crowds a right one is taken for certain.
-OVERLAPPING = 0.06
 
 # Around three that overlap in one place one comes back on average within what counts as a right
 # answer, in units of the largest of the three. Then it is enough that the third answer is more
@@ -195,7 +199,7 @@ def _rivals(join: Join, others: Sequence[Union], growth: Growth) -> list[Join]:
         for other in others
         if other.members != join.second.members and growth.promise(join.first, other) >= JOINED
         for before in growth.sure_before(join.first, other)
-        if odds_beside(join, before, OVERLAPPING) < DECIDED
+        if odds_beside(join, before, CROWDED) < DECIDED
         and crowding(join, before) > CROWD
         and {join.second.members, other.members} not in growth.together
     ]

@@ -27,7 +27,7 @@ from sherd.results.advice import SURE
 from sherd.surface.transformed import mirrored, sampled_within
 
 __all__ = [
-    "LIKELY",
+    "WORTH_A_SLIDE",
     "above",
     "ends_with_one",
     "enough_lead",
@@ -91,7 +91,7 @@ LED, LED_STEP = 0.77, 0.01
 # What may be right slides: what is so likely before, and where at least so many places lead
 # already. Of the right answers of five puzzles that a slide makes sure the least likely
 # one had 0.23, and in the one where fewest places led 0.73 did; a slide raises that by up to 0.14.
-LIKELY, LED_BEFORE = 0.2, 0.65
+WORTH_A_SLIDE, LED_BEFORE = 0.2, 0.65
 
 
 def join_chance(features: Floats) -> float:
@@ -110,7 +110,7 @@ def may_be_right(features: Floats) -> bool:
 
     Its mirror image may fit better there; where it slid to it must not.
     """
-    return bool(_but_for_likeness(features) >= LIKELY and enough_lead(features))
+    return bool(_but_for_likeness(features) >= WORTH_A_SLIDE and enough_lead(features))
 
 
 def may_lie_right(features: Floats) -> bool:
