@@ -19,15 +19,16 @@ from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.output import Stages
 from sherd.overlap import check_overlap_sizes
 from sherd.puzzle.growing.across import laid_across
-from sherd.puzzle.growing.asking import Asking, at_large
+from sherd.puzzle.growing.asking import Asking
 from sherd.puzzle.growing.growth import grown
 from sherd.puzzle.growing.joined_maps import direct_maps
 from sherd.puzzle.growing.record import Growth
+from sherd.puzzle.growing.two_units import QuestionInTwoUnits
 from sherd.puzzle.growing.union import Join, Union
 from sherd.puzzle.pairs import pair_evidence
 from sherd.puzzle.pairwise.answer import Meeting
 from sherd.puzzle.pairwise.body import Body, Told
-from sherd.puzzle.pairwise.meeting import Describe, glance, meeting
+from sherd.puzzle.pairwise.meeting import Describe, PairQuestion, meeting, pair_question
 from sherd.puzzle.synchronization import PieceMap, cycle_error, synchronized
 from sherd.results.keywords import options_of
 from sherd.results.overlap_result import SharedMap
@@ -129,7 +130,9 @@ def join(
         alone = [Union.of_piece(shape.mesh, number) for number, shape in enumerate(shapes)]
         # one body asks all that are left at last
         body = lru_cache(maxsize=1)(partial(Body, seed=options.seed))
-        asking = _Asking(options.seed, whole, describe, body, stages)
+        # who seems likely at a glance is asked in full next
+        question = lru_cache(maxsize=1)(partial(_question, options.seed, whole, describe))
+        asking = _Asking(options.seed, describe, body, question, stages)
         growth = grown(alone, evidence, asking.ways)
     originals = [intake.original for intake in intakes]
     with stages("synchronization"):
@@ -179,20 +182,25 @@ def _length_of_whole(areas: Sequence[float]) -> float:
     return math.sqrt(np.clip(sum(areas) / COVERED, largest, MOST_OF_LARGEST * largest))
 
 
+def _question(
+    seed: int, whole: float, describe: Describe, first: Union, second: Union
+) -> QuestionInTwoUnits:
+    """Of two unions, the larger one first; `whole` is what sqrt(area) of their whole may be."""
+
+    def asked_in(unit: float) -> PairQuestion:
+        return pair_question(first.mesh, second.mesh, seed, describe=describe, unit=unit)
+
+    return QuestionInTwoUnits(first, second, whole, asked_in)
+
+
 @dataclass(frozen=True)
 class _Asking:
-    """What unions share, asked while the terminal says of which; see :func:`meeting`.
-
-    Attributes
-    ----------
-    whole
-        What sqrt(area) of the whole may be.
-    """
+    """What unions share, asked while the terminal says of which; see :func:`pair_question`."""
 
     seed: int
-    whole: float
     describe: Describe
     body: Callable[[TriangleMesh], Body]
+    question: Callable[[Union, Union], QuestionInTwoUnits]
     stages: Stages
 
     @property
@@ -201,25 +209,16 @@ class _Asking:
         return Asking(self.met, self.glance, self.laid, self.across)
 
     def met(self, first: Union, second: Union, known: Ints, taken: Bools | None) -> Meeting:
-        """All that is known; what is not sure by itself also at large, see :func:`at_large`."""
+        """All that is known."""
         self.stages.show(f"growth: {_named(first)} and {_named(second)}")
-        met = meeting(first.mesh, second.mesh, self.seed, known, taken, self.describe)
-        if len(known) or taken is not None:
-            return met
-        wide = partial(
-            meeting,
-            first.mesh,
-            second.mesh,
-            self.seed,
-            describe=self.describe,
-            unit=self.whole,
-        )
-        return at_large(Join(first, second, met), self.whole, wide).met
+        if not len(known) and taken is None:
+            return self.question(first, second).in_full()
+        return meeting(first.mesh, second.mesh, self.seed, known, taken, self.describe)
 
     def glance(self, first: Union, second: Union) -> Meeting:
         """Of two pieces, what is plain to see."""
         self.stages.show(f"growth: {_named(first)} and {_named(second)}")
-        return glance(first.mesh, second.mesh, self.seed, self.describe)
+        return self.question(first, second).at_a_glance()
 
     def laid(self, first: Union, second: Union, told: Told) -> Meeting:
         """Both where that is told."""

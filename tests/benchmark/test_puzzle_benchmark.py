@@ -12,7 +12,7 @@ from sherd.benchmark.puzzle import joining
 from sherd.benchmark.puzzle.benchmark import puzzle_benchmark, puzzle_table, puzzle_totals
 from sherd.benchmark.puzzle.measurement import BAD
 from sherd.benchmark.puzzle.sources import KINDS, Puzzle, puzzle_sources
-from sherd.errors import MeshFileError
+from sherd.errors import MeshFileError, OptionError
 from sherd.files.mesh_files import write_mesh
 from sherd.mesh.surface_points import closest_points
 from sherd.shapes import creature
@@ -108,6 +108,20 @@ def test_overlaps_of_any_width_are_cut_from_the_same_cells(animals) -> None:
         areas = one.full.vertex_areas
         assert areas @ (one.region & ~other.region) < 0.01 * areas @ one.region
         assert 1.2 < areas @ other.region / (areas @ one.region) < 1.35
+
+
+def test_balls_have_one_area_and_overlap(animals) -> None:
+    cells, balls = (
+        joining.sources_of_joining(animals, 4, 0.5, cut)[0] for cut in ("cells", "balls")
+    )
+    assert cells.name != balls.name
+    puzzle = balls.load()
+    areas = puzzle.full.vertex_areas / puzzle.full.area
+    regions = np.array([piece.region for piece in puzzle.own])
+    np.testing.assert_allclose(regions @ areas, 1.5 / 4, atol=0.01)
+    assert areas @ (regions.sum(axis=0) > 1) > 0.2
+    with pytest.raises(OptionError, match="cells or balls"):
+        joining.join_benchmark(animals, Path("out"), cut="slices")
 
 
 def _true_maps(puzzle: Puzzle) -> dict[tuple[int, int], SimpleNamespace]:

@@ -12,7 +12,7 @@ import pytest
 from sherd.arrays import Bools, Ints
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.puzzle.growing import asking, completion, growth, record
-from sherd.puzzle.growing.asking import Asking, at_large
+from sherd.puzzle.growing.asking import Asking
 from sherd.puzzle.growing.growth import grown
 from sherd.puzzle.growing.union import Join, Union
 
@@ -33,7 +33,6 @@ class Answer:
     twin: bool = False
     by_skin: float = 0.0
     filling: float = 0.0
-    unit: float = 1.0
 
 
 def no_twins(first: Union, second: Union) -> None:
@@ -70,7 +69,7 @@ def _joined_without_geometry(monkeypatch: pytest.MonkeyPatch) -> None:
     for room in (growth, asking, record):
         monkeypatch.setattr(room, "taken_by", lambda join, union: np.array([True]))
     crowd(monkeypatch, lambda one, other: 0.0)
-    monkeypatch.setattr(asking, "_common_area", lambda join: join.first.mesh.area)
+    monkeypatch.setattr(asking, "common_area", lambda join: join.first.mesh.area)
 
 
 def crowd(monkeypatch: pytest.MonkeyPatch, crowding: Callable[[Join, Join], float]) -> None:
@@ -353,25 +352,6 @@ def test_at_last_the_skin_alone_makes_an_answer_likely(by_skin, twin, joined) ->
     assert [join.met.chance for join in found.last] == [by_skin] * (joined - 2)
 
 
-@pytest.mark.parametrize(
-    ("seen", "whole", "wide", "left", "sure"),
-    [
-        (answer(0.1, by_skin=0.6), 1.5, answer(0.9), 0.0, True),
-        (answer(0.1, by_skin=0.6), 1.5, answer(0.9), 1.0, False),
-        (answer(0.1, by_skin=0.6), 1.5, answer(0.6), 0.0, False),
-        (answer(0.1, by_skin=0.6), 1.1, answer(0.9), 0.0, False),
-        (answer(0.1, by_skin=0.05), 1.5, answer(0.9), 0.0, False),
-    ],
-)
-def test_what_its_skin_leaves_a_chance_may_be_sure_at_large(
-    seen, whole, wide, left, sure, monkeypatch
-) -> None:
-    """At the same place, if the whole is larger than both."""
-    leave_out(monkeypatch, asking, lambda before, join: left)
-    join = Join(*pieces(2), seen)
-    assert (at_large(join, whole, lambda: wide).met is wide) == sure
-
-
 def test_what_the_completed_group_is_sure_of_is_no_surer_than_what_completed_it() -> None:
     def meet(first: Union, second: Union, known: Ints, taken: Bools | None) -> Any:
         if second.members == (1,):
@@ -484,7 +464,7 @@ def test_strangers_to_the_largest_piece_are_joined_by_much_only(share, groups, m
         return answer(0.9 if 0 not in (*first.members, *second.members) else 0.0)
 
     some = pieces(3)
-    monkeypatch.setattr(asking, "_common_area", lambda join: share * some[0].mesh.area)
+    monkeypatch.setattr(asking, "common_area", lambda join: share * some[0].mesh.area)
     found = grown(some, np.ones((3, 3)), ways(meet))
     assert sorted(map(sorted, found.groups)) == groups
 

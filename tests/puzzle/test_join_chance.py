@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+from typing import Any
+
 import numpy as np
 import pytest
 
 from sherd.correspondence.shared.judgment import MIRROR_CHANCE
-from sherd.puzzle.pairwise.join_chance import fits_a_twin, join_chance
+from sherd.puzzle.pairwise import join_chance as module
+from sherd.puzzle.pairwise.join_chance import fits_a_twin, join_chance, join_features
 from sherd.results.advice import SURE
 
 # One, agreement, worth, rim inside, handedness, strain, leading, relief.
@@ -67,3 +71,21 @@ def test_what_would_be_sure_but_for_its_relief_lies_on_a_twin() -> None:
     foreign = turned.copy()
     foreign[5] = 0.35
     assert not fits_a_twin(foreign)
+
+
+@pytest.mark.parametrize(
+    ("shares", "rim"),
+    [((0.99, 0.5), 0.2), ((0.5, 0.99), 0.2), ((0.99, 0.98), 0.0), ((0.6, 0.5), 0.0)],
+)
+def test_what_lies_within_a_larger_piece_has_no_border_to_tell_by(
+    shares: tuple[float, float], rim: float, monkeypatch
+) -> None:
+    """Of two scans of one place all borders are where the other one has its border."""
+    both: Any = shares
+    for name, value in (("share_something", True), ("_inside_share", 0.0), ("_handedness", 0.5)):
+        monkeypatch.setattr(module, name, lambda *_, value=value: value)
+    monkeypatch.setattr(module, "_mean_share", lambda share, _: share)
+    monkeypatch.setattr(module, "mean_strain", lambda *_: 0.1)
+    monkeypatch.setattr(module, "alike_in_relief", lambda *_: 0.5)
+    labelings: Any = SimpleNamespace(agreement=0.7, worth=0.3)
+    assert join_features(labelings, both, both, None, 0)[3] == rim

@@ -15,7 +15,7 @@ from sherd.correspondence.shared.two_way_placement import first_look
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.puzzle.pairwise import meeting as module
 from sherd.puzzle.pairwise.answer import Meeting
-from sherd.puzzle.pairwise.meeting import glance, meeting
+from sherd.puzzle.pairwise.meeting import meeting, pair_question
 from sherd.puzzle.pairwise.skin_chance import SlidChance
 from sherd.results.advice import SURE
 from sherd.shapes import creature, cut_by_ball, landmarks, whole
@@ -69,7 +69,7 @@ def test_what_comes_back_nowhere_is_not_looked_at_closer(monkeypatch) -> None:
     front, back = front_and_back()
     monkeypatch.setattr(module, "first_look", seen_once)
     monkeypatch.setattr(module, "looked_closer", lambda *_, **__: pytest.fail("looked closer"))
-    met = glance(front, back, 0, describe=described_once)
+    met = pair_question(front, back, 0, describe=described_once).at_a_glance()
     assert met.chance == LEAST
     assert not met.twin
     assert not met.placements[0].shared.any()

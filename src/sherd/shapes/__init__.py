@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from sherd.shapes.creature import creature, landmarks
 from sherd.shapes.fragment import Fragment, cut_by_ball, cut_by_plane, moved, remeshed, whole
-from sherd.shapes.puzzle import puzzle_pieces
+from sherd.shapes.puzzle import puzzle_balls, puzzle_pieces
 
 __all__ = [
     "Fragment",
@@ -13,6 +13,7 @@ __all__ = [
     "cut_by_plane",
     "landmarks",
     "moved",
+    "puzzle_balls",
     "puzzle_pieces",
     "remeshed",
     "whole",

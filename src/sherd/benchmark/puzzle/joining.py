@@ -13,6 +13,7 @@ from sherd.arrays import Floats
 from sherd.benchmark.metrics import evenly_spread
 from sherd.benchmark.puzzle.measurement import BAD
 from sherd.benchmark.puzzle.sources import (
+    CUTS,
     OVERLAP,
     OVERLAPPING_FOREIGN,
     Puzzle,
@@ -20,6 +21,7 @@ from sherd.benchmark.puzzle.sources import (
     puzzle_sources,
 )
 from sherd.benchmark.runner import measured_and_kept
+from sherd.errors import OptionError
 from sherd.join import join
 from sherd.limits import require_finite, require_whole
 from sherd.mesh.surface_points import SurfacePoints, closest_points
@@ -78,7 +80,9 @@ class JoinRow:
         return self.together == self.own and self.foreign_alone
 
 
-def sources_of_joining(directory: Path, count: int, overlap: float = OVERLAP) -> list[PuzzleSource]:
+def sources_of_joining(
+    directory: Path, count: int, overlap: float = OVERLAP, cut: str = "cells"
+) -> list[PuzzleSource]:
     """Two puzzles of each shape; the second is cut from elsewhere and in other poses.
 
     For all overlaps cells and poses are the same.
@@ -90,7 +94,7 @@ def sources_of_joining(directory: Path, count: int, overlap: float = OVERLAP) ->
     """
     shapes = {source.path: source for source in puzzle_sources(directory) if source.others}
     return [
-        PuzzleSource(path, source.others, kind, count, overlap=overlap)
+        PuzzleSource(path, source.others, kind, count, overlap=overlap, cut=cut)
         for kind in (OVERLAPPING_FOREIGN, f"{OVERLAPPING_FOREIGN}, again")
         for path, source in sorted(shapes.items())
     ]
@@ -102,6 +106,7 @@ def join_benchmark(
     *,
     count: int = 6,
     overlap: float = OVERLAP,
+    cut: str = "cells",
     limit: int | None = None,
     jobs: int = 1,
 ) -> list[JoinRow]:
@@ -119,6 +124,8 @@ def join_benchmark(
         Of pieces.
     overlap
         Share of its area that each piece reaches beyond its cell.
+    cut
+        Into "cells", or "balls" of one area.
     limit
         How many puzzles; two of each shape if not given.
     jobs
@@ -137,7 +144,9 @@ def join_benchmark(
     require_finite("overlap", overlap, 0.01, 0.99, "pieces are joined where they overlap")
     if limit is not None:
         require_whole("puzzles", limit, 1, 10**6, "no folder has more puzzles")
-    sources = sources_of_joining(directory, count, overlap)
+    if cut not in CUTS:
+        raise OptionError(f"cut is {cut!r}, but {' or '.join(CUTS)} is needed")
+    sources = sources_of_joining(directory, count, overlap, cut)
     return measured_and_kept(
         sources[:limit],
         _measured,

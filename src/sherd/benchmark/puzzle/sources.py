@@ -16,11 +16,12 @@ from sherd.files.mesh_files import read_mesh
 from sherd.limits import require_whole
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.shapes.fragment import Fragment, moved, remeshed, with_clutter
-from sherd.shapes.puzzle import puzzle_pieces
+from sherd.shapes.puzzle import puzzle_balls, puzzle_pieces
 from sherd.spectral.sampling import decimate
 
 __all__ = [
     "COUNTS",
+    "CUTS",
     "KINDS",
     "OVERLAP",
     "OVERLAPPING_FOREIGN",
@@ -41,6 +42,9 @@ FOREIGN_COUNT = 4
 KINDS = ("disjoint", "overlapping", "missing", "foreign", "missing and foreign", "clutter")
 # What is joined without a whole.
 OVERLAPPING_FOREIGN = "overlapping and foreign"
+# How wholes are cut: into the cells of points that lie far apart, or balls about these, all of one
+# area.
+CUTS = {"cells": puzzle_pieces, "balls": puzzle_balls}
 SUFFIXES = (".obj", ".off", ".ply")
 
 
@@ -93,7 +97,10 @@ class PuzzleSource:
     individual
         Whether foreign pieces are of another individual of the same kind.
     overlap
-        Share of its area that each piece reaches beyond its cell, if the kind overlaps.
+        Share of its area that each piece reaches beyond its cell, if the kind overlaps; of balls
+        see :func:`sherd.shapes.puzzle.puzzle_balls`.
+    cut
+        One of CUTS.
     """
 
     path: Path
@@ -102,6 +109,7 @@ class PuzzleSource:
     count: int
     individual: bool = False
     overlap: float = OVERLAP
+    cut: str = "cells"
 
     @property
     def name(self) -> str:
@@ -112,7 +120,8 @@ class PuzzleSource:
     def _cut_as(self) -> str:
         """What the choice of places and poses follows from: the same for all overlaps."""
         who = ", same kind" if self.individual else ""
-        return f"{shape_name(self.path)} {self.count} {self.kind}{who}"
+        how = "" if self.cut == "cells" else f", {self.cut}"
+        return f"{shape_name(self.path)} {self.count} {self.kind}{who}{how}"
 
     @property
     def group(self) -> str:
@@ -134,7 +143,7 @@ class PuzzleSource:
         posed = [poses[order[k % len(order)]] for k in range(self.count)]
         overlap = self.overlap if "overlapping" in self.kind else 0.0
         start = int(rng.integers(full.vertex_count))
-        cut = puzzle_pieces(full, posed, start=start, overlap=overlap)
+        cut = CUTS[self.cut](full, posed, start=start, overlap=overlap)
         labels = _cells(cut, full)
         number = 1 if self.count < 8 else 2
         gone = rng.permutation(self.count)[: number if "missing" in self.kind else 0]

@@ -8,7 +8,7 @@ import click
 
 from sherd.benchmark.puzzle.benchmark import puzzle_benchmark, puzzle_table
 from sherd.benchmark.puzzle.joining import join_benchmark, join_table
-from sherd.benchmark.puzzle.sources import OVERLAP
+from sherd.benchmark.puzzle.sources import CUTS, OVERLAP
 
 __all__ = ["join_command", "puzzle_command"]
 
@@ -70,11 +70,25 @@ def puzzle_command(
     show_default=True,
     help="Share of its area that each piece reaches beyond its cell.",
 )
+@click.option(
+    "--cut",
+    type=click.Choice(tuple(CUTS)),
+    default="cells",
+    show_default=True,
+    help="Cells of points that lie far apart, or balls about these, all of one area.",
+)
 @click.option("--puzzles", "limit", type=int, help="First puzzles only; two of each shape if none.")
 @click.option("--jobs", type=int, default=1, show_default=True, help="Processes.")
 @click.option("-o", "--output", type=click.Path(path_type=Path), required=True, help="Folder.")
 def join_command(
-    directory: Path, *, count: int, overlap: float, limit: int | None, jobs: int, output: Path
+    directory: Path,
+    *,
+    count: int,
+    overlap: float,
+    cut: str,
+    limit: int | None,
+    jobs: int,
+    output: Path,
 ) -> int:
     """Join overlapping pieces of animated shapes and a foreign one, without a whole.
 
@@ -86,6 +100,8 @@ def join_command(
     Example:
       sherd bench join tosca_poses/ --overlap 0.3 -o bench/
     """  # noqa: D301
-    rows = join_benchmark(directory, output, count=count, overlap=overlap, limit=limit, jobs=jobs)
+    rows = join_benchmark(
+        directory, output, count=count, overlap=overlap, cut=cut, limit=limit, jobs=jobs
+    )
     click.echo(join_table(rows))
     return 0

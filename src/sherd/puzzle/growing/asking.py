@@ -20,7 +20,7 @@ from sherd.puzzle.pairwise.answer import JOINED, LIKELY, Ground, Meeting, ground
 from sherd.puzzle.pairwise.body import Told
 from sherd.puzzle.pairwise.meeting import NOTHING_KNOWN
 
-__all__ = ["Asking", "Meet", "against", "asked", "at_large", "unless_strangers"]
+__all__ = ["Asking", "Meet", "against", "asked", "common_area", "unless_strangers"]
 
 # Two that are both strangers to the largest piece share more than this of its area, or are not
 # believed: no larger union will see it again. A man's limb on a part of a cat, neither of which the
@@ -28,14 +28,6 @@ __all__ = ["Asking", "Meet", "against", "asked", "at_large", "unless_strangers"]
 # common area of 0.04; the three right joins of such pairs, of a cat and a wolf, have 0.10, 0.21 and
 # 0.25. Half way by ratio.
 BESIDE = 0.065
-
-# Units that differ by less show the same bumps.
-WIDER = 1.15
-# What has no more than this by its skin may only seem sure at large: a cat's leg on another leg and
-# a part of another animal on its neck, which have 0.87 and 0.92 there, have 0.01 and 0.00. Of
-# answers with 0.1 to 0.5 two thirds are right (23 of ten puzzles). A horse's leg with 0.14 is sure
-# at large (0.86), wrong answers of 0.45 and 0.59 are not (0.18, 0.01).
-SEEN = 0.1
 
 # The larger union, the other one, pairs (p, 2) of vertices that lie on each other, and the vertices
 # (n,) of the larger one where the other does not lie, if there are any.
@@ -71,42 +63,19 @@ def asked(first: Union, second: Union, meet: Meet, growth: Growth) -> Join:
     return join
 
 
-def at_large(join: Join, whole: float, wide: Callable[[], Meeting]) -> Join:
-    """An answer, or that in units of the whole if only this is sure, and at the same place.
-
-    Bumps of the skin are looked at, and neighborhoods, that are as wide as they are on the larger
-    of both. Where that is a small piece the finer ones differ from pose to pose, and its mesh
-    hardly has them. So what its skin leaves a chance may be sure at large.
-
-    Parameters
-    ----------
-    join
-        Of two unions, with nothing known of them.
-    whole
-        What sqrt(area) of the whole may be, in the unit of their meshes.
-    wide
-        Asks them in units of that.
-    """
-    met = join.met
-    if met.chance >= JOINED or met.by_skin < SEEN or whole < WIDER * met.unit:
-        return join
-    there = Join(join.first, join.second, wide())
-    return there if there.met.chance >= JOINED and left_out(join, there) <= CROWD else join
-
-
 def unless_strangers(join: Join, growth: Growth) -> Join:
     """The same, but that tells nothing of two that share too little, and nothing with the largest.
 
     What was kept in mind of it is forgotten.
     """
     known = growth.largest.members[0] in (*join.first.members, *join.second.members)
-    if known or _common_area(join) >= BESIDE * growth.largest.mesh.area:
+    if known or common_area(join) >= BESIDE * growth.largest.mesh.area:
         return join
     growth.forget(join)
     return join.with_chance(LEAST)
 
 
-def _common_area(join: Join) -> float:
+def common_area(join: Join) -> float:
     """What both share, in the unit of their meshes."""
     return shared_area(join.met.questions, join.met.placements) * join.met.unit**2
 

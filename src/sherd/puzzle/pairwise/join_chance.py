@@ -130,8 +130,13 @@ def ends_with_one(questions: Both[Question], placements: Both[SharedPlacement]) 
 
 def lies_within(questions: Both[Question], placements: Both[SharedPlacement]) -> bool:
     """Whether one of two pieces lies within the other, but for slivers along its cut."""
+    return max(_shares(questions, placements)) > WITHIN
+
+
+def _shares(questions: Both[Question], placements: Both[SharedPlacement]) -> list[float]:
+    """The share of its area that each of two pieces has in common with the other."""
     both = zip(questions, placements, strict=True)
-    return max(_mean_share(*each) for each in both) > WITHIN
+    return [_mean_share(*each) for each in both]
 
 
 def fills_a_gap(questions: Both[Question], placements: Both[SharedPlacement]) -> bool:
@@ -190,7 +195,8 @@ def join_features(
     """Features (8,) of what two pieces share, of which `likeness` is that of both.
 
     One; what both directions agree on, and what that is worth, of the labelings; the share of the
-    rim of what is shared that lies inside both pieces, at least UNTOLD if one is within the other;
+    rim of what is shared that lies inside both pieces, at least UNTOLD if one is within the other,
+    unless this is within it as well, so that all borders are where the other piece has one;
     the logarithm of the energy of mirror images over that of what is shared itself; strain; of the
     nodes inside, seeing only what is shared, the share whose places lead, 0 where it is too little
     to be seen; how alike reliefs are.
@@ -200,7 +206,7 @@ def join_features(
         return np.array([1.0, labelings.agreement, worth, 0.0, 0.0, UNSHARED_STRAIN, 0.0, 0.0])
     both = tuple(zip(questions, placements, strict=True))
     rim = _inside_share(questions, placements)
-    if lies_within(questions, placements):
+    if max(shares := _shares(questions, placements)) > WITHIN >= min(shares):
         rim = max(rim, UNTOLD)
     return np.array(
         [

@@ -60,13 +60,19 @@ from sherd.surface.prepared import described_part
 from sherd.surface.transformed import mirrored, sampled_within
 from sherd.threads import cached_property, one_blas_thread, side_by_side
 
-__all__ = ["NOTHING_KNOWN", "Describe", "free_vertices", "glance", "meeting"]
+__all__ = [
+    "NOTHING_KNOWN",
+    "Describe",
+    "PairQuestion",
+    "free_vertices",
+    "meeting",
+    "pair_question",
+]
 
 Describe = Callable[[TriangleMesh, float], DescribedSurface]
 NOTHING_KNOWN = np.empty((0, 2), dtype=np.int64)
 
 
-@one_blas_thread()
 def meeting(
     first: TriangleMesh,
     second: TriangleMesh,
@@ -74,8 +80,21 @@ def meeting(
     known: Ints = NOTHING_KNOWN,
     taken: Bools | None = None,
     describe: Describe = described_part,
-    unit: float = 0.0,
 ) -> Meeting:
+    """What two surfaces share, and how likely they belong together; see :func:`pair_question`."""
+    return pair_question(first, second, seed, known, taken, describe).in_full()
+
+
+@one_blas_thread()
+def pair_question(
+    first: TriangleMesh,
+    second: TriangleMesh,
+    seed: int,
+    known: Ints = NOTHING_KNOWN,
+    taken: Bools | None = None,
+    describe: Describe = described_part,
+    unit: float = 0.0,
+) -> PairQuestion:
     """Ask what two surfaces share, in units of sqrt(area) of their whole, as far as that is known.
 
     Parameters
@@ -101,25 +120,7 @@ def meeting(
     if free is not None and free[surfaces[0].sparse.vertices].any():
         known = known[free[surfaces[0].working.working_vertices(known[:, 0])]]
         surfaces = (sampled_within(surfaces[0], free), surfaces[1])
-    asked = _Asked.of(surfaces, unit, seed, known, free)
-    first_answer = asked.first_answer()
-    answers = [first_answer]
-    if first_answer.chance < JOINED:
-        answers = one_place([first_answer, *asked.further_answers()])
-    return beside_their_twins(answers, partial(_mirrored_answer, described, unit, seed))
-
-
-@one_blas_thread()
-def glance(
-    first: TriangleMesh, second: TriangleMesh, seed: int, describe: Describe = described_part
-) -> Meeting:
-    """As :func:`meeting`, but where labels save most and nowhere else, nor of the mirror image.
-
-    A third of the time where that is not sure, and as much where it is.
-    """
-    unit = max(first.length, second.length)
-    surfaces = _described(first, second, unit, NOTHING_KNOWN, describe)
-    return _Asked.of(surfaces, unit, seed, NOTHING_KNOWN, None).first_answer()
+    return PairQuestion.of(surfaces, unit, seed, described, known, free)
 
 
 def _described(
@@ -138,16 +139,9 @@ def _described(
     return surfaces
 
 
-def _mirrored_answer(surfaces: Both[DescribedSurface], unit: float, seed: int) -> Meeting:
-    """Of the mirror image of the second surface; nothing is known of it, and no place is taken."""
-    image = mirrored(surfaces[1])
-    prepare_both_ways(image)
-    return _Asked.of((surfaces[0], image), unit, seed, NOTHING_KNOWN, None).first_answer()
-
-
 @dataclass(frozen=True, eq=False)
-class _Asked:
-    """Two surfaces, and their labels on each other.
+class PairQuestion:
+    """What two surfaces share is asked: both, and their labels on each other.
 
     Attributes
     ----------
@@ -159,6 +153,8 @@ class _Asked:
         Of length, in that of the meshes.
     seed
         Of all random choices.
+    described
+        Both surfaces where no place is taken.
     """
 
     questions: Both[Question]
@@ -167,6 +163,7 @@ class _Asked:
     labelings: TwoLabelings
     unit: float
     seed: int
+    described: Both[DescribedSurface]
 
     @classmethod
     def of(
@@ -174,9 +171,10 @@ class _Asked:
         surfaces: Both[DescribedSurface],
         unit: float,
         seed: int,
-        known: Ints,
-        free: Bools | None,
-    ) -> _Asked:
+        described: Both[DescribedSurface],
+        known: Ints = NOTHING_KNOWN,
+        free: Bools | None = None,
+    ) -> PairQuestion:
         """Label both by normals and by relief; what is known and what is taken rules labels out."""
         there, back = questions_of(surfaces, known, unknown=False)
         guided = (replace(there.with_stretch(STRETCH), free=free), back.with_stretch(STRETCH))
@@ -193,13 +191,31 @@ class _Asked:
             labeled_both_ways(problems, seed),
             unit,
             seed,
+            described,
         )
+
+    @one_blas_thread()
+    def at_a_glance(self) -> Meeting:
+        """Laid where labels save most and nowhere else, nor of the mirror image.
+
+        A third of the time of the full answer where that is not sure, and as much where it is.
+        """
+        return self.first_answer
+
+    @one_blas_thread()
+    def in_full(self) -> Meeting:
+        """The answer; if the first one is not sure, of all places, and by the mirror image, too."""
+        answers = [self.first_answer]
+        if self.first_answer.chance < JOINED:
+            answers = one_place([self.first_answer, *self.further_answers()])
+        return beside_their_twins(answers, self._mirrored_answer)
 
     @cached_property
     def led(self) -> TwoLabelings:
         """What saves most, one direction led by the other where that keeps far less."""
         return followed(self.problems, self.labelings)
 
+    @cached_property
     def first_answer(self) -> Meeting:
         """Laid where labels save most."""
         return self._answer(self.led)
@@ -212,6 +228,13 @@ class _Asked:
         if self.led is not self.labelings:
             tried.append(self.labelings)
         return side_by_side(partial(self._answer, each) for each in tried)
+
+    def _mirrored_answer(self) -> Meeting:
+        """Of the mirror image of the second; nothing is known of it, and no place is taken."""
+        image = mirrored(self.described[1])
+        prepare_both_ways(image)
+        both = (self.described[0], image)
+        return PairQuestion.of(both, self.unit, self.seed, both).first_answer
 
     def _answer(self, labelings: TwoLabelings) -> Meeting:
         """Both laid on each other by one labeling of both, and how likely that is right.

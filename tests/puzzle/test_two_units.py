@@ -1,0 +1,120 @@
+"""Two units: what is not sure in its own may be sure in that of the whole."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from sherd.mesh.triangle_mesh import TriangleMesh
+from sherd.puzzle.growing import two_units
+from sherd.puzzle.growing.two_units import QuestionInTwoUnits
+from sherd.puzzle.growing.union import Union
+
+SQUARE = TriangleMesh(
+    np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]), [[0, 1, 2], [0, 2, 3]]
+)
+WHOLE = 1.5
+
+
+@dataclass(frozen=True)
+class Answer:
+    """A meeting, as far as it is chosen by."""
+
+    chance: float
+    by_skin: float = 0.0
+
+
+@dataclass(frozen=True)
+class Asked:
+    """In one unit, and how often in full."""
+
+    glance: Answer
+    full: Answer | None
+    unit: float = 1.0
+
+    def at_a_glance(self) -> Answer:
+        return self.glance
+
+    def in_full(self) -> Answer:
+        assert self.full is not None, "asked in full"
+        return self.full
+
+
+SURE, UNLIKELY = Answer(0.9), Answer(0.01)
+
+
+def question(own: Asked, wide: Answer | None, whole: float = WHOLE) -> QuestionInTwoUnits:
+    """At large it is asked at a glance only, and not at all if that is None."""
+
+    def asked_in(unit: float) -> Any:
+        if not unit:
+            return own
+        assert wide is not None, "asked at large"
+        return Asked(wide, None, unit)
+
+    return QuestionInTwoUnits(Union.of_piece(SQUARE, 0), Union.of_piece(SQUARE, 1), whole, asked_in)
+
+
+@pytest.fixture
+def sharing(monkeypatch: pytest.MonkeyPatch) -> Callable[[float, float], None]:
+    """Sets the share of the whole that both have, and how much of an earlier place is left out."""
+
+    def shared(share: float, left: float) -> None:
+        monkeypatch.setattr(two_units, "common_area", lambda join: share * WHOLE**2)
+        monkeypatch.setattr(two_units, "left_out", lambda before, join: left)
+
+    monkeypatch.setattr(
+        two_units,
+        "against",
+        lambda join, rival: replace(join, met=Answer(join.met.chance - rival.met.chance)),
+    )
+    return shared
+
+
+@pytest.mark.parametrize(
+    ("full", "left", "sure"),
+    [
+        (Answer(0.05, by_skin=0.6), 0.0, True),
+        (Answer(0.4, by_skin=0.05), 0.0, True),
+        (Answer(0.05, by_skin=0.6), 1.0, False),
+        (Answer(0.05, by_skin=0.05), 0.0, False),
+        (Answer(0.8), 0.0, False),
+    ],
+)
+def test_what_has_a_chance_in_its_own_unit_may_be_sure_at_large(sharing, full, left, sure) -> None:
+    """At the same place, however little is shared."""
+    sharing(0.05, left)
+    found = question(Asked(UNLIKELY, full), SURE).in_full()
+    assert found == (SURE if sure else full)
+
+
+@pytest.mark.parametrize(
+    ("before", "left", "chance"), [(0.01, 0.0, 0.9), (0.5, 0.0, 0.9), (0.5, 1.0, 0.4)]
+)
+def test_what_shares_much_of_the_whole_is_believed_at_large_at_a_glance(
+    sharing, before, left, chance
+) -> None:
+    """Less so if something was likely at another place."""
+    sharing(0.15, left)
+    asked = question(Asked(Answer(before), UNLIKELY), SURE)
+    assert asked.at_a_glance().chance == pytest.approx(chance)
+
+
+def test_what_is_believed_at_a_glance_is_not_asked_in_full(sharing) -> None:
+    sharing(0.15, 0.0)
+    assert question(Asked(UNLIKELY, None), SURE).in_full() == SURE
+
+
+def test_what_is_unlikely_at_large_is_asked_in_full(sharing) -> None:
+    sharing(0.15, 0.0)
+    full = Answer(0.3, by_skin=0.6)
+    assert question(Asked(UNLIKELY, full), Answer(0.6)).in_full() == full
+
+
+@pytest.mark.parametrize(("own", "whole"), [(SURE, WHOLE), (UNLIKELY, 1.1)])
+def test_what_is_sure_or_hardly_smaller_than_the_whole_is_not_asked_at_large(own, whole) -> None:
+    assert question(Asked(own, own), None, whole).in_full() == own
