@@ -28,7 +28,7 @@ from sherd.puzzle.growing.union import Join, Union
 from sherd.puzzle.pairs import pair_evidence
 from sherd.puzzle.pairwise.answer import Meeting
 from sherd.puzzle.pairwise.body import Body, Told
-from sherd.puzzle.pairwise.meeting import Describe, PairQuestion, meeting, pair_question
+from sherd.puzzle.pairwise.meeting import NOTHING_KNOWN, Describe, PairQuestion, pair_question
 from sherd.puzzle.synchronization import PieceMap, cycle_error, synchronized
 from sherd.results.keywords import options_of
 from sherd.results.overlap_result import SharedMap
@@ -130,9 +130,7 @@ def join(
         alone = [Union.of_piece(shape.mesh, number) for number, shape in enumerate(shapes)]
         # one body asks all that are left at last
         body = lru_cache(maxsize=1)(partial(Body, seed=options.seed))
-        # who seems likely at a glance is asked in full next
-        question = lru_cache(maxsize=1)(partial(_question, options.seed, whole, describe))
-        asking = _Asking(options.seed, describe, body, question, stages)
+        asking = _Asking(partial(_question, options.seed, whole, describe), body, stages)
         growth = grown(alone, evidence, asking.ways)
     originals = [intake.original for intake in intakes]
     with stages("synchronization"):
@@ -182,13 +180,22 @@ def _length_of_whole(areas: Sequence[float]) -> float:
     return math.sqrt(np.clip(sum(areas) / COVERED, largest, MOST_OF_LARGEST * largest))
 
 
+Ask = Callable[[Union, Union, Ints, Bools | None], QuestionInTwoUnits]
+
+
 def _question(
-    seed: int, whole: float, describe: Describe, first: Union, second: Union
+    seed: int,
+    whole: float,
+    describe: Describe,
+    first: Union,
+    second: Union,
+    known: Ints,
+    taken: Bools | None,
 ) -> QuestionInTwoUnits:
-    """Of two unions, the larger one first; `whole` is what sqrt(area) of their whole may be."""
+    """See :data:`sherd.puzzle.growing.asking.Meet`; `whole` is what sqrt(area) of it may be."""
 
     def asked_in(unit: float) -> PairQuestion:
-        return pair_question(first.mesh, second.mesh, seed, describe=describe, unit=unit)
+        return pair_question(first.mesh, second.mesh, seed, known, taken, describe, unit)
 
     return QuestionInTwoUnits(first, second, whole, asked_in)
 
@@ -197,10 +204,8 @@ def _question(
 class _Asking:
     """What unions share, asked while the terminal says of which; see :func:`pair_question`."""
 
-    seed: int
-    describe: Describe
+    question: Ask
     body: Callable[[TriangleMesh], Body]
-    question: Callable[[Union, Union], QuestionInTwoUnits]
     stages: Stages
 
     @property
@@ -211,14 +216,12 @@ class _Asking:
     def met(self, first: Union, second: Union, known: Ints, taken: Bools | None) -> Meeting:
         """All that is known."""
         self.stages.show(f"growth: {_named(first)} and {_named(second)}")
-        if not len(known) and taken is None:
-            return self.question(first, second).in_full()
-        return meeting(first.mesh, second.mesh, self.seed, known, taken, self.describe)
+        return self.question(first, second, known, taken).in_full()
 
     def glance(self, first: Union, second: Union) -> Meeting:
         """Of two pieces, what is plain to see."""
         self.stages.show(f"growth: {_named(first)} and {_named(second)}")
-        return self.question(first, second).at_a_glance()
+        return self.question(first, second, NOTHING_KNOWN, None).at_a_glance()
 
     def laid(self, first: Union, second: Union, told: Told) -> Meeting:
         """Both where that is told."""

@@ -10,7 +10,7 @@ import pytest
 
 from sherd.correspondence.shared.judgment import MIRROR_CHANCE
 from sherd.puzzle.pairwise import join_chance as module
-from sherd.puzzle.pairwise.join_chance import fits_a_twin, join_chance, join_features
+from sherd.puzzle.pairwise.join_chance import ends_with_one, fits_a_twin, join_chance, join_features
 from sherd.results.advice import SURE
 
 # One, agreement, worth, rim inside, handedness, strain, leading, relief.
@@ -89,3 +89,21 @@ def test_what_lies_within_a_larger_piece_has_no_border_to_tell_by(
     monkeypatch.setattr(module, "alike_in_relief", lambda *_: 0.5)
     labelings: Any = SimpleNamespace(agreement=0.7, worth=0.3)
     assert join_features(labelings, both, both, None, 0)[3] == rim
+
+
+@pytest.mark.parametrize(
+    ("first_goes_on", "second_goes_on", "inside"),
+    [(False, False, 0.0), (True, True, 0.375), (False, True, 0.25), (True, False, 0.125)],
+)
+def test_nothing_ends_inside_a_piece_that_does_not_go_on(
+    first_goes_on: bool, second_goes_on: bool, inside: float, monkeypatch
+) -> None:
+    """If all of the second is shared, what is left out of the first within it is a hole."""
+    rims = {"first": np.array([1, 1, 0, 0]), "second": np.array([0, 1, 0, 0])}
+    going_on = {"first": first_goes_on, "second": second_goes_on}
+    monkeypatch.setattr(module, "_goes_on", lambda piece, _: going_on[piece])
+    monkeypatch.setattr(module, "_border", lambda *_: 1.0)
+    monkeypatch.setattr(module, "_rim_inside", lambda piece, _: rims[piece])
+    both: Any = ("second", "first")
+    assert (ends_with_one(both, both) < 0.5) == (inside > module.ENDING)
+    assert module._inside_share(both, both) == inside

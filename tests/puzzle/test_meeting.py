@@ -15,7 +15,7 @@ from sherd.correspondence.shared.two_way_placement import first_look
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.puzzle.pairwise import meeting as module
 from sherd.puzzle.pairwise.answer import Meeting
-from sherd.puzzle.pairwise.meeting import meeting, pair_question
+from sherd.puzzle.pairwise.meeting import pair_question
 from sherd.puzzle.pairwise.skin_chance import SlidChance
 from sherd.results.advice import SURE
 from sherd.shapes import creature, cut_by_ball, landmarks, whole
@@ -56,7 +56,7 @@ def test_what_lies_nowhere_else_is_answered_as_it_is(monkeypatch) -> None:
     front, _ = front_and_back()
     tube = bumpy_tube()
     tube = tube.with_vertices(tube.vertices * np.sqrt(front.area / tube.area))
-    assert meeting(front, tube, 0, describe=described_once).chance < SURE
+    assert pair_question(front, tube, 0, describe=described_once).in_full().chance < SURE
 
 
 def test_what_comes_back_nowhere_is_not_looked_at_closer(monkeypatch) -> None:
@@ -104,7 +104,7 @@ def test_what_may_be_right_its_place_slides_and_is_judged_there(monkeypatch) -> 
             "alike_in_relief",
             lambda _, found, alike=alike: alike * any(found is each for each in home),
         )
-        found = meeting(front, back, 0, describe=described_once)
+        found = pair_question(front, back, 0, describe=described_once).in_full()
         assert found.chance == chance
         assert any(found.placements is each for each in (home if moves else laid))
 
@@ -127,9 +127,9 @@ def test_what_is_sure_by_its_skin_stays_where_a_slide_would_leave_it(monkeypatch
     monkeypatch.setattr(module, "join_chance", lambda _: 0.1)
     monkeypatch.setattr(module, "chance_as_it_lies", lambda *_: SlidChance(0.95, 0.95, 0.95))
     monkeypatch.setattr(module, "chance_where_it_slid", lambda *_: SlidChance(0.3, 0.3))
-    found = meeting(front, back, 0, describe=described_once)
+    found = pair_question(front, back, 0, describe=described_once).in_full()
     assert found.chance == 0.95
     assert any(found.placements is each for each in laid)
     monkeypatch.setattr(module, "chance_where_it_slid", lambda *_: SlidChance(0.9, 0.9))
-    moved = meeting(front, back, 0, describe=described_once)
+    moved = pair_question(front, back, 0, describe=described_once).in_full()
     assert not any(moved.placements is each for each in laid)

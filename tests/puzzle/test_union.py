@@ -14,7 +14,7 @@ from sherd.puzzle.growing.common_places import laid_alike, left_out, recalled
 from sherd.puzzle.growing.joined_maps import direct_maps
 from sherd.puzzle.growing.union import Join, Union, repaired, united
 from sherd.puzzle.pairwise.answer import Meeting
-from sherd.puzzle.pairwise.meeting import meeting
+from sherd.puzzle.pairwise.meeting import pair_question
 from sherd.results.advice import SURE
 from sherd.shapes import creature, cut_by_ball, landmarks, moved, whole
 from sherd.shapes.fragment import Fragment
@@ -34,7 +34,7 @@ def pieces() -> tuple[Fragment, Fragment]:
 @pytest.fixture(scope="module")
 def met(pieces) -> Meeting:
     """Asked in units of the whole, which is larger than both."""
-    return meeting(pieces[0].mesh, pieces[1].mesh, 0, unit=pieces[0].full.length)
+    return pair_question(pieces[0].mesh, pieces[1].mesh, 0, unit=pieces[0].full.length).in_full()
 
 
 @pytest.fixture(scope="module")
@@ -139,5 +139,5 @@ def test_what_is_known_of_places_that_are_taken_does_not_count(pieces, join) -> 
     beside = front.vertices - along
     taken = beside @ (beside[known[0, 0]] - beside[known[-1, 0]]) > 0
     assert 0 < taken[known[:, 0]].sum() < len(known)
-    again = meeting(front, pieces[1].mesh, 0, known, taken)
+    again = pair_question(front, pieces[1].mesh, 0, known, taken).in_full()
     assert 0 <= again.chance <= 1

@@ -29,8 +29,8 @@ WIDER = 1.15
 # (0.18, 0.01).
 SEEN = 0.1
 # What shares so much of the whole's area is believed at large by itself: there bumps are wide, so a
-# small place has few of them, and reliefs scatter as one over the root of their number. In all
-# pairs of four puzzles of a horse and a cat (two of cells, two of balls) all 14 answers that are
+# small place has few of them, and reliefs scatter as one over the root of their number. In most
+# pairs of four puzzles of a horse and a cat (two of cells, two of balls) all 12 answers that are
 # sure at large where labels save most are right, with 0.06 to 0.31 of the whole; of three at
 # further places two are wrong, with 0.05 and 0.06. So further places are not asked at large, and
 # this is above what wrong ones have.
@@ -39,7 +39,7 @@ SEEN_AT_LARGE = 0.1
 
 @dataclass(frozen=True, eq=False)
 class QuestionInTwoUnits:
-    """What two unions share, of which nothing is known.
+    """What two unions share.
 
     Attributes
     ----------

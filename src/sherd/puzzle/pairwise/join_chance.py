@@ -236,12 +236,14 @@ def _mean_share(question: Question, place: SharedPlacement) -> float:
 def _inside_share(questions: Both[Question], placements: Both[SharedPlacement]) -> float:
     """The share of the rim of what is shared that lies inside both pieces; 0 without a rim.
 
-    All of it where one goes on beyond the other and crosses no border of it.
+    All of it where one goes on beyond the other and crosses no border of it. Nothing ends inside
+    a piece that does not go on: what is left out of the other one there is a hole in it.
     """
     both = tuple(zip(questions, placements, strict=True))
-    if any(_goes_on(*both[side]) and _border(*both[1 - side]) < INSIDE for side in (0, 1)):
+    on = [_goes_on(*each) for each in both]
+    if any(on[side] and _border(*both[1 - side]) < INSIDE for side in (0, 1)):
         return 1.0
-    inside = np.concatenate([_rim_inside(*each) for each in both])
+    inside = np.concatenate([on[1 - side] * _rim_inside(*both[side]) for side in (0, 1)])
     return float(inside.mean()) if len(inside) else 0.0
 
 

@@ -65,24 +65,11 @@ __all__ = [
     "Describe",
     "PairQuestion",
     "free_vertices",
-    "meeting",
     "pair_question",
 ]
 
 Describe = Callable[[TriangleMesh, float], DescribedSurface]
 NOTHING_KNOWN = np.empty((0, 2), dtype=np.int64)
-
-
-def meeting(
-    first: TriangleMesh,
-    second: TriangleMesh,
-    seed: int,
-    known: Ints = NOTHING_KNOWN,
-    taken: Bools | None = None,
-    describe: Describe = described_part,
-) -> Meeting:
-    """What two surfaces share, and how likely they belong together; see :func:`pair_question`."""
-    return pair_question(first, second, seed, known, taken, describe).in_full()
 
 
 @one_blas_thread()
