@@ -47,14 +47,16 @@ class Asked:
 SURE, UNLIKELY = Answer(0.9), Answer(0.01)
 
 
-def question(own: Asked, wide: Answer | None, whole: float = WHOLE) -> QuestionInTwoUnits:
-    """At large it is asked at a glance only, and not at all if that is None."""
+def question(
+    own: Asked, wide: Answer | None, whole: float = WHOLE, full: Answer | None = None
+) -> QuestionInTwoUnits:
+    """At large it is not asked at all if that is None, and in full only if it has that answer."""
 
     def asked_in(unit: float) -> Any:
         if not unit:
             return own
         assert wide is not None, "asked at large"
-        return Asked(wide, None, unit)
+        return Asked(wide, wide if wide.chance >= 0.78 else full, unit)
 
     return QuestionInTwoUnits(Union.of_piece(SQUARE, 0), Union.of_piece(SQUARE, 1), whole, asked_in)
 
@@ -109,10 +111,19 @@ def test_what_is_believed_at_a_glance_is_not_asked_in_full(sharing) -> None:
     assert question(Asked(UNLIKELY, None), SURE).in_full() == SURE
 
 
-def test_what_is_unlikely_at_large_is_asked_in_full(sharing) -> None:
+@pytest.mark.parametrize(("left", "sure"), [(0.0, True), (1.0, False)])
+def test_what_has_a_chance_is_asked_at_large_in_full(sharing, left, sure) -> None:
+    """If it is not sure there at a glance; a leg of a horse is so at a further place."""
+    sharing(0.05, left)
+    own = Answer(0.05, by_skin=0.14)
+    asked = question(Asked(UNLIKELY, own), UNLIKELY, full=SURE)
+    assert asked.in_full() == (SURE if sure else own)
+
+
+def test_what_has_no_chance_is_asked_at_large_at_a_glance_only(sharing) -> None:
     sharing(0.15, 0.0)
-    full = Answer(0.3, by_skin=0.6)
-    assert question(Asked(UNLIKELY, full), Answer(0.6)).in_full() == full
+    own = Answer(0.05, by_skin=0.05)
+    assert question(Asked(UNLIKELY, own), UNLIKELY).in_full() == own
 
 
 @pytest.mark.parametrize(("own", "whole"), [(SURE, WHOLE), (UNLIKELY, 1.1)])

@@ -32,8 +32,8 @@ SEEN = 0.1
 # small place has few of them, and reliefs scatter as one over the root of their number. In most
 # pairs of four puzzles of a horse and a cat (two of cells, two of balls) all 12 answers that are
 # sure at large where labels save most are right, with 0.06 to 0.31 of the whole; of three at
-# further places two are wrong, with 0.05 and 0.06. So further places are not asked at large, and
-# this is above what wrong ones have.
+# further places two are wrong, with 0.05 and 0.06. So further places are asked at large only if
+# that can confirm one, and this is above what wrong ones have.
 SEEN_AT_LARGE = 0.1
 
 
@@ -62,36 +62,38 @@ class QuestionInTwoUnits:
         Less sure if something was likely elsewhere.
         """
         own = self._own.at_a_glance()
-        there = self._at_large
-        if there is None or common_area(there) < SEEN_AT_LARGE * self.whole**2:
+        if own.chance >= JOINED or self._wide is None:
+            return own
+        there = self._join(self._wide.at_a_glance())
+        if there.met.chance < JOINED or common_area(there) < SEEN_AT_LARGE * self.whole**2:
             return own
         before = self._join(own)
         return against(there, before).met if left_out(before, there) > CROWD else there.met
 
     def in_full(self) -> Meeting:
-        """All places in their own unit, if none is sure at a glance.
+        """All places, if none is sure at a glance; in units of the whole where one has a chance.
 
-        Where the answer has a chance it counts as sure if the same place is in units of the whole.
+        That counts if it is sure, and at the same place as in their own unit.
         """
         met = self.at_a_glance()
         if met.chance >= JOINED:
             return met
-        own, there = self._own.in_full(), self._at_large
-        if there is None or own.chance >= JOINED or max(own.chance, own.by_skin) < SEEN:
+        own = self._own.in_full()
+        seen = max(own.chance, own.by_skin) >= SEEN
+        if own.chance >= JOINED or not seen or self._wide is None:
             return own
-        return own if left_out(self._join(own), there) > CROWD else there.met
+        there = self._join(self._wide.in_full())
+        sure = there.met.chance >= JOINED and left_out(self._join(own), there) <= CROWD
+        return there.met if sure else own
 
     @cached_property
     def _own(self) -> PairQuestion:
         return self.asked_in(0.0)
 
     @cached_property
-    def _at_large(self) -> Join | None:
-        """What is sure in units of the whole; None if nothing is, or need be."""
-        if self._own.at_a_glance().chance >= JOINED or self.whole < WIDER * self._own.unit:
-            return None
-        met = self.asked_in(self.whole).at_a_glance()
-        return self._join(met) if met.chance >= JOINED else None
+    def _wide(self) -> PairQuestion | None:
+        """In units of the whole; None if these are hardly wider."""
+        return self.asked_in(self.whole) if self.whole >= WIDER * self._own.unit else None
 
     def _join(self, met: Meeting) -> Join:
         return Join(self.first, self.second, met)
