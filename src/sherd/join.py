@@ -50,6 +50,9 @@ COVERED = 1.5
 # have no more than so much of the area of the largest piece.
 MOST_OF_LARGEST = 3.0
 
+# What is asked of two unions, as in `Meet`, before it is answered at a glance or in full.
+Ask = Callable[[Union, Union, Ints, Bools | None], QuestionInTwoUnits]
+
 
 def join(
     pieces: Sequence[ScanSource],
@@ -178,9 +181,6 @@ def _length_of_whole(areas: Sequence[float]) -> float:
     """What sqrt(area) of the whole may be, of which nothing is known but its pieces."""
     largest = max(areas)
     return math.sqrt(np.clip(sum(areas) / COVERED, largest, MOST_OF_LARGEST * largest))
-
-
-Ask = Callable[[Union, Union, Ints, Bools | None], QuestionInTwoUnits]
 
 
 def _question(

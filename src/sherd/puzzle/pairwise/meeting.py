@@ -187,14 +187,14 @@ class PairQuestion:
 
         A third of the time of the full answer where that is not sure, and as much where it is.
         """
-        return self.first_answer
+        return self._first_answer
 
     @one_blas_thread()
     def in_full(self) -> Meeting:
         """The answer; if the first one is not sure, of all places, and by the mirror image, too."""
-        answers = [self.first_answer]
-        if self.first_answer.chance < JOINED:
-            answers = one_place([self.first_answer, *self.further_answers()])
+        answers = [self._first_answer]
+        if self._first_answer.chance < JOINED:
+            answers = one_place([self._first_answer, *self._further_answers()])
         return beside_their_twins(answers, self._mirrored_answer)
 
     @cached_property
@@ -203,11 +203,11 @@ class PairQuestion:
         return followed(self.problems, self.labelings)
 
     @cached_property
-    def first_answer(self) -> Meeting:
+    def _first_answer(self) -> Meeting:
         """Laid where labels save most."""
         return self._answer(self.led)
 
-    def further_answers(self) -> list[Meeting]:
+    def _further_answers(self) -> list[Meeting]:
         """Laid at other places, those most alike in form."""
         forms = (form(self.questions[0].part.mesh), form(self.questions[1].part.mesh))
         begun = labelings_by_form(self.problems, forms, self.labelings)
@@ -221,7 +221,7 @@ class PairQuestion:
         image = mirrored(self.described[1])
         prepare_both_ways(image)
         both = (self.described[0], image)
-        return PairQuestion.of(both, self.unit, self.seed, both).first_answer
+        return PairQuestion.of(both, self.unit, self.seed, both)._first_answer
 
     def _answer(self, labelings: TwoLabelings) -> Meeting:
         """Both laid on each other by one labeling of both, and how likely that is right.
