@@ -125,3 +125,13 @@ def test_both_sides_of_a_line_are_as_far_from_all_between(at: int, alike: bool) 
     weights = np.isin(places, (0, 1, 9, 10), invert=True).astype(float)
     found = apart_by_distances(between[[at]], between[[9]], weights)
     assert (found < 0.1) is alike
+
+
+def test_what_does_not_hang_together_tells_nothing_of_distances() -> None:
+    """Two rows of five places each; distances across are infinite, and give no warning."""
+    places = np.arange(5.0)
+    within, beyond = np.abs(places[:, None] - places), np.full((5, 5), np.inf)
+    between = np.block([[within, beyond], [beyond, within]])
+    weights = np.isin(np.arange(10), (0, 4, 5, 9), invert=True).astype(float)
+    assert apart_by_distances(between[[0]], between[[4]], weights) == 0.0
+    assert apart_by_distances(between[[0]], between[[9]], weights) == np.inf

@@ -126,6 +126,19 @@ def _from_nodes(full: DescribedSurface, place: SharedPlacement, nodes: Ints) -> 
 
 
 def apart_by_distances(first: Floats, second: Floats, weights: Floats) -> float:
-    """Mean Wasserstein distance of the rows of two arrays (q, n), by weights (n,)."""
-    rows = zip(first, second, strict=True)
-    return float(np.mean([wasserstein_distance(*row, weights, weights) for row in rows]))
+    """Mean Wasserstein distance of the rows of two arrays (q, n), by weights (n,).
+
+    What does not hang together is infinitely far, and tells nothing where it is so from both;
+    infinite where one reaches what the other one does not.
+    """
+    counted = weights > 0.0
+    pairs = zip(first[:, counted], second[:, counted], strict=True)
+    return float(np.mean([_apart(*pair, weights[counted]) for pair in pairs]))
+
+
+def _apart(one: Floats, other: Floats, weights: Floats) -> float:
+    reached = np.isfinite(one)
+    if not reached.any() or np.any(reached != np.isfinite(other)):
+        return math.inf
+    told = weights[reached]
+    return float(wasserstein_distance(one[reached], other[reached], told, told))
