@@ -26,6 +26,7 @@ class Answer:
 
     chance: float
     by_skin: float = 0.0
+    handedness: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -118,6 +119,16 @@ def test_what_has_a_chance_is_asked_at_large_in_full(sharing, left, sure) -> Non
     own = Answer(0.05, by_skin=0.14)
     asked = question(Asked(UNLIKELY, own), UNLIKELY, full=SURE)
     assert asked.in_full() == (SURE if sure else own)
+
+
+def test_what_fits_better_mirrored_is_not_believed_at_large(sharing) -> None:
+    """Only if it does so clearly: right answers may fit a little better mirrored."""
+    sharing(0.05, 0.0)
+    own = Answer(0.05, by_skin=0.22)
+    mirrored = Answer(0.81, handedness=-0.64)
+    assert question(Asked(UNLIKELY, own), mirrored).in_full() == own
+    right = Answer(0.98, handedness=-0.21)
+    assert question(Asked(UNLIKELY, own), right).in_full() == right
 
 
 def test_what_has_no_chance_is_asked_at_large_at_a_glance_only(sharing) -> None:

@@ -61,6 +61,8 @@ class Meeting:
         By the skin alone if it fills a gap of a body, where reliefs may be a little less alike.
     leads
         Whether so many places lead that it may lie there, or beside its place.
+    handedness
+        The logarithm of the energy of its mirror image over its own, as first laid.
     """
 
     questions: Both[Question]
@@ -73,6 +75,7 @@ class Meeting:
     fitting: float = 0.0
     filling: float = 0.0
     leads: bool = False
+    handedness: float = 0.0
 
 
 def ground_of(met: Meeting) -> tuple[Ground, float]:

@@ -27,6 +27,7 @@ from sherd.results.advice import SURE
 from sherd.surface.transformed import mirrored, sampled_within
 
 __all__ = [
+    "HANDEDNESS",
     "WORTH_A_SLIDE",
     "above",
     "ends_with_one",

@@ -43,6 +43,7 @@ from sherd.overlap import (
 )
 from sherd.puzzle.pairwise.answer import JOINED, Meeting, one_place
 from sherd.puzzle.pairwise.join_chance import (
+    HANDEDNESS,
     WORTH_A_SLIDE,
     enough_lead,
     fits_a_twin,
@@ -253,6 +254,7 @@ class PairQuestion:
             fitting=skin.fitting,
             filling=skin.filling,
             leads=leads,
+            handedness=float(features[HANDEDNESS]),
         )
         return _slid(met, skin) if may_be_right(features) or skin.fitting >= WORTH_A_SLIDE else met
 
