@@ -138,3 +138,18 @@ def test_what_is_only_likely_is_said_to_be_so(answer: Joined, tmp_path: Path) ->
         replace(answer, by_twin=(1,))
     nothing_sure = replace(answer, likely={0: 0.6, 1: 0.6})
     assert sherd.write_report(nothing_sure, tmp_path / "doubtful")["status"] == "doubtful"
+
+
+def test_what_belongs_without_a_place_is_said_to_do_so(answer: Joined, tmp_path: Path) -> None:
+    unplaced = replace(answer, groups=((0, 1, 2, 3),), unplaced=(3,))
+    document = sherd.write_report(unplaced, tmp_path)
+    jsonschema.validate(document, json.loads(SCHEMA.read_text()))
+    assert [piece["unplaced"] for piece in document["pieces"]] == [False, False, False, True]
+    summary = joined_summary(unplaced, tmp_path)
+    assert "(fills a gap; where it lies is not known)" in summary
+    assert summary.count("fills a gap") == 1
+    report = (tmp_path / "report.html").read_text()
+    assert "belongs to its group, as it fills a gap of it" in report
+    assert "1 without a place" in report
+    with pytest.raises(InvalidMeshError, match="one of the pieces"):
+        replace(answer, unplaced=(4,))

@@ -150,6 +150,7 @@ def joined() -> sherd.Joined:
         timings={"pairs": 1.0},
         likely={1: 0.6},
         by_twin=(1,),
+        unplaced=(2,),
         options=sherd.AssembleOptions(),
     )
 

@@ -100,7 +100,8 @@ def join(
     Pieces that share a tenth or less are mostly not found to belong together. At last
     what is more likely right than not is joined, too, if nothing contradicts it, and what lies
     across from its twin; see :attr:`Joined.likely` and :attr:`Joined.by_twin`. Who is left then is
-    asked with the largest group bent as each of its members is.
+    asked with the largest group bent as each of its members is. And what fills a gap of it
+    somewhere belongs to it, though no map has it; see :attr:`Joined.unplaced`.
 
     Examples
     --------
@@ -174,6 +175,7 @@ def join(
             {member: join.met.chance for join in growth.last for member in join.second.members}
         ),
         by_twin=tuple(sorted(member for join in growth.across for member in join.second.members)),
+        unplaced=tuple(sorted(growth.unplaced)),
     )
 
 

@@ -33,6 +33,7 @@ class Answer:
     twin: bool = False
     by_skin: float = 0.0
     filling: float = 0.0
+    in_gap: Answer | None = None
 
 
 def no_twins(first: Union, second: Union) -> None:
@@ -496,3 +497,40 @@ def test_of_two_that_members_lay_on_one_place_as_surely_neither_has_it(monkeypat
     crowd(monkeypatch, lambda one, other: 1.0)
     found = grown(pieces(4), np.ones((4, 4)), ways(meet))
     assert [join.met.chance for join in found.joins] == [0.9]
+
+
+def fills_a_gap(*members: int) -> Any:
+    """0 and 1 belong together; others are found nowhere, but these fill a gap of what has 0."""
+
+    def meet(first: Union, second: Union, known: Ints, taken: Bools | None) -> Any:
+        if second.members == (1,):
+            return answer(0.9)
+        filling = 0 in first.members and second.members[0] in members
+        return Answer(0.1, in_gap=Answer(0.1) if filling else None)
+
+    return meet
+
+
+def test_what_fills_a_gap_of_the_largest_group_belongs_to_it_without_a_place() -> None:
+    found = grown(pieces(4), np.ones((4, 4)), ways(fills_a_gap(2)))
+    assert sorted(map(sorted, found.groups)) == [[0, 1, 2], [3]]
+    assert found.unplaced == [2]
+    assert [join.second.members for join in found.joins] == [(1,)]
+
+
+def test_unless_two_claim_that_gap_or_it_was_filled(monkeypatch) -> None:
+    crowd(monkeypatch, lambda one, other: float({2, 3} >= {one.second.members[0]}))
+    found = grown(pieces(4), np.ones((4, 4)), ways(fills_a_gap(2, 3)))
+    assert not found.unplaced
+    crowd(monkeypatch, lambda one, other: float(other.second.members == (1,)))
+    found = grown(pieces(4), np.ones((4, 4)), ways(fills_a_gap(2)))
+    assert not found.unplaced
+
+
+def test_what_fills_a_gap_of_a_single_piece_is_alone() -> None:
+    def meet(first: Union, second: Union, known: Ints, taken: Bools | None) -> Any:
+        return Answer(0.1, in_gap=Answer(0.1))
+
+    found = grown(pieces(2), np.ones((2, 2)), ways(meet))
+    assert sorted(found.groups) == [(0,), (1,)]
+    assert not found.unplaced

@@ -59,6 +59,8 @@ class JoinRow:
         Of :class:`sherd.Joined`; None without loops.
     seconds
         Wall time.
+    unplaced
+        How many of those in the group belong to it without a place.
     """
 
     puzzle: str
@@ -73,6 +75,7 @@ class JoinRow:
     cycle_before: float | None
     cycle_after: float | None
     seconds: float
+    unplaced: int = 0
 
     @property
     def right(self) -> bool:
@@ -165,10 +168,12 @@ def join_table(rows: Sequence[JoinRow]) -> str:
     lines = [f"{'puzzle':<{width}}{head}"]
     for row in rows:
         groups = "right" if row.right else f"{row.together} of {row.own}"
+        unplaced = f"  {row.unplaced} without a place" if row.unplaced else ""
         loops = f"{_shown(row.cycle_before)} to {_shown(row.cycle_after)}"
         lines.append(
             f"{row.puzzle:<{width}}{groups:>8}{_pair_words([row]):>14}{_shown(row.error):>7}"
             f"{row.known:>7.2f}{loops:>14}{row.seconds:>6.0f}"
+            + unplaced
             + ("" if row.foreign_alone else "  a foreign piece joined")
         )
     errors = [row.error for row in rows if row.error is not None]
@@ -218,6 +223,7 @@ def _measured(source: PuzzleSource) -> JoinRow:
         cycle_before=_number(answer.cycle_before),
         cycle_after=_number(answer.cycle_after),
         seconds=seconds,
+        unplaced=len(set(most) & set(answer.unplaced)),
     )
 
 

@@ -21,7 +21,7 @@ from sherd.puzzle.growing.union import Join, Union, larger_first, united
 from sherd.puzzle.pairwise.answer import JOINED, LIKELY
 from sherd.puzzle.pairwise.join_chance import fills_a_gap, lies_within
 
-__all__ = ["with_likely", "with_twins"]
+__all__ = ["belonging", "with_likely", "with_twins"]
 
 
 def with_likely(groups: Sequence[Union], asking: Asking, growth: Growth) -> list[Union]:
@@ -107,6 +107,35 @@ def with_twins(groups: Sequence[Union], asking: Asking, growth: Growth) -> list[
         growth.across.append(best)
         growth.chances[best.first.members, best.second.members] = best.met.chance
         found = _joined(found, best, growth)
+
+
+def belonging(groups: Sequence[Union], growth: Growth) -> list[Union]:
+    """Who fills a gap of the largest group, though where it lies there is not likely enough.
+
+    A limb on the place of its missing twin, or slid along its own, lies wrongly and belongs; what
+    is of another kind fills no gap (docs/method.md). Unless that place was filled since, or two
+    claim it, one of which may be another body's. Of a single piece all that is missing is a gap,
+    which tells nothing.
+    """
+    largest, *others = sorted(groups, key=lambda union: -union.mesh.area)
+    if len(largest.members) == 1:
+        return []
+    claims = [
+        (other, each)
+        for other in others
+        for each in growth.in_gaps
+        if set(each.first.members) <= set(largest.members)
+        and set(each.second.members) <= set(other.members)
+        and not any(crowding(each, made) > CROWD for made in growth.joins)
+    ]
+    disputed = {
+        id(other)
+        for (one, claim), (another, rival) in combinations(claims, 2)
+        if one is not another and crowding(claim, rival) > CROWD
+        for other in (one, another)
+    }
+    claiming = {id(other) for other, _ in claims} - disputed
+    return [other for other in others if id(other) in claiming]
 
 
 def _joined(groups: Sequence[Union], join: Join, growth: Growth) -> list[Union]:

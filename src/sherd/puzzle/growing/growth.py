@@ -15,7 +15,7 @@ from functools import cache
 from sherd.arrays import Floats
 from sherd.puzzle.growing.asking import Asking, Meet, asked, unless_strangers
 from sherd.puzzle.growing.common_places import crowding, laid_alike, taken_by
-from sherd.puzzle.growing.completion import with_likely, with_twins
+from sherd.puzzle.growing.completion import belonging, with_likely, with_twins
 from sherd.puzzle.growing.joined_maps import open_loop
 from sherd.puzzle.growing.members import ask_members, told_by_members
 from sherd.puzzle.growing.poses import ask_in_poses
@@ -74,8 +74,20 @@ def grown(pieces: Sequence[Union], evidence: Floats, asking: Asking) -> Growth:
         if len(growth.joins) == count:
             break
         found = _with_what_follows(found, evidence, asking, growth)
-    growth.groups = [union.members for union in found]
+    _name_groups(found, growth)
     return growth
+
+
+def _name_groups(found: Sequence[Union], growth: Growth) -> None:
+    """The members of all groups; who belongs to the largest, wherever it lies, is named there."""
+    largest = max(found, key=lambda union: union.mesh.area)
+    belong = belonging(found, growth)
+    growth.unplaced = [member for union in belong for member in union.members]
+    growth.groups = [
+        (*union.members, *growth.unplaced) if union is largest else union.members
+        for union in found
+        if union not in belong
+    ]
 
 
 def _with_what_follows(

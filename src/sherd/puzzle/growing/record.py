@@ -61,8 +61,12 @@ class Growth:
         What was, by the skin that is shared alone, with that chance.
     filling
         What is by the skin alone if it fills a gap of what is joined at last, with that chance.
+    in_gaps
+        What fills a gap of one of two unions, however likely it lies there, in the order asked.
     groups
-        The members of each union at the end.
+        The members of each union at the end, and of what belongs to it wherever it lies.
+    unplaced
+        The members of those that belong so.
     chances
         By the members of both, the larger one first, of what was asked.
     of_members
@@ -91,7 +95,9 @@ class Growth:
     likely: list[Join] = field(default_factory=list)
     by_skin: list[Join] = field(default_factory=list)
     filling: list[Join] = field(default_factory=list)
+    in_gaps: list[Join] = field(default_factory=list)
     groups: list[tuple[int, ...]] = field(default_factory=list)
+    unplaced: list[int] = field(default_factory=list)
     chances: dict[tuple[tuple[int, ...], tuple[int, ...]], float] = field(default_factory=dict)
     of_members: dict[tuple[tuple[int, ...], tuple[int, ...]], float] = field(default_factory=dict)
     sure_of_members: list[Join] = field(default_factory=list)

@@ -63,6 +63,11 @@ class Meeting:
         Whether so many places lead that it may lie there, or beside its place.
     handedness
         The logarithm of the energy of its mirror image over its own, as first laid.
+    fills
+        Whether each goes on all around where the other one ends, and enough leads and is alike that
+        the skin may be asked.
+    in_gap
+        Of all answers to the same question the likeliest that fills so; None if none does.
     """
 
     questions: Both[Question]
@@ -76,6 +81,8 @@ class Meeting:
     filling: float = 0.0
     leads: bool = False
     handedness: float = 0.0
+    fills: bool = False
+    in_gap: Meeting | None = None
 
 
 def ground_of(met: Meeting) -> tuple[Ground, float]:

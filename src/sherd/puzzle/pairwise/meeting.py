@@ -46,6 +46,7 @@ from sherd.puzzle.pairwise.join_chance import (
     HANDEDNESS,
     WORTH_A_SLIDE,
     enough_lead,
+    fills_a_gap,
     fits_a_twin,
     join_chance,
     join_features,
@@ -196,7 +197,9 @@ class PairQuestion:
         answers = [self._first_answer]
         if self._first_answer.chance < JOINED:
             answers = one_place([self._first_answer, *self._further_answers()])
-        return beside_their_twins(answers, self._mirrored_answer)
+        met = beside_their_twins(answers, self._mirrored_answer)
+        filling = [each for each in answers if each.fills]
+        return replace(met, in_gap=max(filling, key=lambda each: each.filling, default=None))
 
     @cached_property
     def led(self) -> TwoLabelings:
@@ -240,7 +243,8 @@ class PairQuestion:
         likeness = likeness_of_both(questions, placements)
         features = join_features(labelings, questions, placements, likeness, self.seed)
         skin = SlidChance(0.0, 0.0)
-        if may_lie_right(features):
+        may_lie = may_lie_right(features)
+        if may_lie:
             skin = chance_as_it_lies(questions, placements, likeness)
         twin = fits_a_twin(features) or skin.turned
         chance, leads = join_chance(features), enough_lead(features)
@@ -255,6 +259,7 @@ class PairQuestion:
             filling=skin.filling,
             leads=leads,
             handedness=float(features[HANDEDNESS]),
+            fills=may_lie and fills_a_gap(questions, placements),
         )
         return _slid(met, skin) if may_be_right(features) or skin.fitting >= WORTH_A_SLIDE else met
 

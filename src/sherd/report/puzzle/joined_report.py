@@ -202,6 +202,7 @@ def _document(result: Joined, command: str) -> dict[str, Any]:
                 "group": result.group_of[k],
                 "likely": result.likely.get(k),
                 "by_twin": k in result.by_twin,
+                "unplaced": k in result.unplaced,
                 "file": piece_file(k, "partners.csv"),
             }
             for k, piece in enumerate(result.pieces)
@@ -222,7 +223,8 @@ def _known(value: float) -> float | None:
 
 def _good(result: Joined) -> bool:
     """Whether anything surely belongs together."""
-    sure = (sum(k not in result.likely for k in group) for group in result.groups)
+    unsure = {*result.likely, *result.unplaced}
+    sure = (sum(k not in unsure for k in group) for group in result.groups)
     return max(sure) > 1
 
 
@@ -232,7 +234,8 @@ def _said(result: Joined) -> str:
     alone = sum(len(group) == 1 for group in result.groups)
     together = len(result.groups) - alone
     likely = f", {len(result.likely)} likely but not sure" if result.likely else ""
-    return f"good: {together} group{'s' * (together > 1)}, {alone} alone{likely}"
+    unplaced = f", {len(result.unplaced)} without a place" if result.unplaced else ""
+    return f"good: {together} group{'s' * (together > 1)}, {alone} alone{likely}{unplaced}"
 
 
 def _pair_words(evidence: float, chance: float, *, asked: bool) -> str:
@@ -246,6 +249,11 @@ def _sentences(result: Joined) -> tuple[str, ...]:
     said = [f"{len(result.pieces)} pieces form {len(result.groups)} groups."]
     said.append(f"{asked} of {len(result.pairs)} pairs were asked in full.")
     said += [_likely_words(result, number) for number in result.likely]
+    said += [
+        f"{number} {result.pieces[number].name} belongs to its group, as it fills a gap of it, but "
+        "where it lies is not likely enough, so no map has it."
+        for number in result.unplaced
+    ]
     if np.isfinite(result.cycle_before):
         said.append(
             f"Around loops of three pieces a point comes back {result.cycle_before:.3f} away "

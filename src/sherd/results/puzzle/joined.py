@@ -76,6 +76,10 @@ class Joined(FrozenState):
     by_twin
         Those of them, in order, that are told by their twin alone: the mirror image of a limb lies
         on the other limb of the pair. So would that of another body of the same kind.
+    unplaced
+        Pieces that belong to their group and are on no map to it, in order: somewhere they fill a
+        gap of it, as what is of another kind does not, but where they lie is not likely enough.
+        Another body's piece of the same kind may fill a gap as well.
     """
 
     pieces: tuple[TriangleMesh, ...]
@@ -90,6 +94,7 @@ class Joined(FrozenState):
     notices: tuple[tuple[str, ...], ...] = ()
     likely: Mapping[int, float] = field(default_factory=dict)
     by_twin: tuple[int, ...] = ()
+    unplaced: tuple[int, ...] = ()
 
     def __post_init__(self) -> None:
         if sorted(k for group in self.groups for k in group) != list(range(len(self.pieces))):
@@ -101,6 +106,8 @@ class Joined(FrozenState):
             object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))
         if not set(self.by_twin) <= set(self.likely):
             raise InvalidMeshError("what a twin tells is likely, so `likely` has its chance")
+        if not all(0 <= k < len(self.pieces) for k in self.unplaced):
+            raise InvalidMeshError("what is unplaced is one of the pieces")
 
     def __repr__(self) -> str:
         sizes = ", ".join(str(len(group)) for group in self.groups)
@@ -117,6 +124,8 @@ class Joined(FrozenState):
     def named(self, number: int) -> str:
         """The name of a piece, and how likely it belongs there if that is not sure."""
         name = self.pieces[number].name
+        if number in self.unplaced:
+            return f"{name} (fills a gap; where it lies is not known)"
         if number not in self.likely:
             return name
         reason = " by its twin" if number in self.by_twin else ""
