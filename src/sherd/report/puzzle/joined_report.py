@@ -230,7 +230,7 @@ def _good(result: Joined) -> bool:
 
 def _said(result: Joined) -> str:
     if not _good(result):
-        return "doubtful: no two pieces were surely found to share anything; do they overlap?"
+        return "doubtful: no two pieces were surely found to share anything, if they overlap at all"
     alone = sum(len(group) == 1 for group in result.groups)
     together = len(result.groups) - alone
     likely = f", {len(result.likely)} likely but not sure" if result.likely else ""
@@ -246,7 +246,8 @@ def _pair_words(evidence: float, chance: float, *, asked: bool) -> str:
 
 def _sentences(result: Joined) -> tuple[str, ...]:
     asked = sum(pair.asked for pair in result.pairs)
-    said = [f"{len(result.pieces)} pieces form {len(result.groups)} groups."]
+    count = len(result.groups)
+    said = [f"{len(result.pieces)} pieces form {count} group{'s' * (count > 1)}."]
     said.append(f"{asked} of {len(result.pairs)} pairs were asked in full.")
     said += [_likely_words(result, number) for number in result.likely]
     said += [
