@@ -81,6 +81,7 @@ def test_pieces_without_a_whole_are_measured_and_kept(animals, tmp_path, monkeyp
         maps=_true_maps(puzzle),
         cycle_before=np.nan,
         cycle_after=np.nan,
+        unplaced=(),
     )
     monkeypatch.setattr(joining, "join", lambda pieces: answer)
     (row,) = joining.join_benchmark(animals, tmp_path, count=2, limit=1)
@@ -93,6 +94,11 @@ def test_pieces_without_a_whole_are_measured_and_kept(animals, tmp_path, monkeyp
     assert joining.join_benchmark(animals, tmp_path, count=2, limit=1) == [row]
     assert (tmp_path / "join.json").read_bytes() == before
     assert "groups right in 1 of 1" in joining.join_table([row])
+    assert "without a place" not in joining.join_table([row])
+    answer.unplaced = (1,)
+    (row,) = joining.join_benchmark(animals, tmp_path / "unplaced", count=2, limit=1)
+    assert (row.right, row.unplaced) == (True, 1)
+    assert "1 without a place" in joining.join_table([row])
     answer.groups, answer.pairs[0].joined, answer.pairs[1].joined = ((0, 2), (1,)), False, True
     (row,) = joining.join_benchmark(animals, tmp_path / "other", count=2, limit=1)
     assert (row.together, row.foreign_alone, row.right) == (1, False, False)
