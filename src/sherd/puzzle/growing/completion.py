@@ -126,7 +126,7 @@ def belonging(groups: Sequence[Union], growth: Growth) -> list[Union]:
         for each in growth.in_gaps
         if set(each.first.members) <= set(largest.members)
         and set(each.second.members) <= set(other.members)
-        and not any(crowding(each, made) > CROWD for made in growth.joins)
+        and not _made_there(each, growth)
     ]
     disputed = {
         id(other)
@@ -209,13 +209,18 @@ def _chance_beside(before: Join, growth: Growth) -> float:
     Pieces overlap, so two may have one place rightly: as likely as that follows from both of what
     was sure; what was only likely does not tell.
     """
-    rivals = [made for made in growth.joins if crowding(before, made) > CROWD]
+    rivals = _made_there(before, growth)
     if not rivals:
         return before.met.chance
     if before.met.chance < JOINED:
         return LEAST
     odds = odds_beside(before, max(rivals, key=chance_of), CROWDED_AT_LAST)
     return odds / (1.0 + odds)
+
+
+def _made_there(join: Join, growth: Growth) -> list[Join]:
+    """What was joined in the place of an answer."""
+    return [made for made in growth.joins if crowding(join, made) > CROWD]
 
 
 def _contradicted(join: Join, before: Join, groups: Sequence[Union], growth: Growth) -> bool:
