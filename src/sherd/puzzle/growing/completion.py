@@ -17,7 +17,7 @@ from sherd.puzzle.growing.asking import Asking
 from sherd.puzzle.growing.common_places import crowding, left_out, recalled
 from sherd.puzzle.growing.members import laid_as_before
 from sherd.puzzle.growing.record import CROWD, CROWDED_AT_LAST, Growth, chance_of, odds_beside
-from sherd.puzzle.growing.union import Join, Union, larger_first, united
+from sherd.puzzle.growing.union import Join, Union, larger_first, largest_first, united
 from sherd.puzzle.pairwise.answer import JOINED, LIKELY
 from sherd.puzzle.pairwise.join_chance import fills_a_gap, lies_within
 
@@ -80,27 +80,24 @@ def with_twins(groups: Sequence[Union], asking: Asking, growth: Growth) -> list[
     """Groups, joined where one lies across from its twin in the largest; the likeliest first.
 
     Who was joined may have the place of who comes later, or its twin, so these are asked again. Two
-    that claim one place contradict each other, as one of them may be another body's limb. A single
-    piece has seldom both sides of a body, and is not asked; nobody is asked twice.
+    that claim one place contradict each other. A single piece has seldom both sides of a body, and
+    is not asked; nobody is asked twice.
     """
     found = list(groups)
     while True:
-        largest, *others = sorted(found, key=lambda union: -union.mesh.area)
+        largest, *others = largest_first(found)
         if len(largest.members) == 1:
             return found
         asked = growth.asked_across
         others = [other for other in others if (largest.members, other.members) not in asked]
         asked |= {(largest.members, other.members) for other in others}
         answers = [(other, asking.across(largest, other)) for other in others]
-        joins = [
-            Join(largest, other, met)
+        claims = [
+            (other, Join(largest, other, met))
             for other, met in answers
             if met is not None and met.chance >= LIKELY
         ]
-        rivals = {
-            id(each) for pair in combinations(joins, 2) if crowding(*pair) > CROWD for each in pair
-        }
-        joins = [join for join in joins if id(join) not in rivals]
+        joins = [join for _, join in _undisputed(claims)]
         if not joins:
             return found
         best = max(joins, key=chance_of)
@@ -109,15 +106,13 @@ def with_twins(groups: Sequence[Union], asking: Asking, growth: Growth) -> list[
         found = _joined(found, best, growth)
 
 
-def belonging(groups: Sequence[Union], growth: Growth) -> list[Union]:
+def belonging(largest: Union, others: Sequence[Union], growth: Growth) -> list[Union]:
     """Who fills a gap of the largest group, though where it lies there is not likely enough.
 
     A limb on the place of its missing twin, or slid along its own, lies wrongly and belongs; what
     is of another kind fills no gap (docs/method.md). Unless that place was filled since, or two
-    claim it, one of which may be another body's. Of a single piece all that is missing is a gap,
-    which tells nothing.
+    claim it. Of a single piece all that is missing is a gap, which tells nothing.
     """
-    largest, *others = sorted(groups, key=lambda union: -union.mesh.area)
     if len(largest.members) == 1:
         return []
     claims = [
@@ -128,14 +123,22 @@ def belonging(groups: Sequence[Union], growth: Growth) -> list[Union]:
         and set(each.second.members) <= set(other.members)
         and not _made_there(each, growth)
     ]
-    disputed = {
-        id(other)
-        for (one, claim), (another, rival) in combinations(claims, 2)
-        if one is not another and crowding(claim, rival) > CROWD
-        for other in (one, another)
-    }
-    claiming = {id(other) for other, _ in claims} - disputed
+    claiming = {id(other) for other, _ in _undisputed(claims)}
     return [other for other in others if id(other) in claiming]
+
+
+def _undisputed(claims: Sequence[tuple[Union, Join]]) -> list[tuple[Union, Join]]:
+    """The claims of unions that claim no place which another one claims as well.
+
+    Of two that do one may be another body's limb, and nothing tells which.
+    """
+    disputed = {
+        id(union)
+        for (one, claim), (other, rival) in combinations(claims, 2)
+        if one is not other and crowding(claim, rival) > CROWD
+        for union in (one, other)
+    }
+    return [(union, claim) for union, claim in claims if id(union) not in disputed]
 
 
 def _joined(groups: Sequence[Union], join: Join, growth: Growth) -> list[Union]:

@@ -28,7 +28,7 @@ from sherd.puzzle.growing.record import (
     odds_beside,
     odds_of,
 )
-from sherd.puzzle.growing.union import Join, Union, larger_first, united
+from sherd.puzzle.growing.union import Join, Union, larger_first, largest_first, united
 from sherd.puzzle.pairwise.answer import JOINED, LIKELY
 from sherd.puzzle.pairwise.meeting import NOTHING_KNOWN
 
@@ -62,7 +62,7 @@ def grown(pieces: Sequence[Union], evidence: Floats, asking: Asking) -> Growth:
     asking
         How two of them, or two unions, are asked.
     """
-    growth = Growth(pieces, max(pieces, key=lambda piece: piece.mesh.area))
+    growth = Growth(pieces, largest_first(pieces)[0])
     found = _with_sure(pieces, evidence, asking, growth)
     while True:
         count = len(growth.joins)
@@ -80,8 +80,8 @@ def grown(pieces: Sequence[Union], evidence: Floats, asking: Asking) -> Growth:
 
 def _name_groups(found: Sequence[Union], growth: Growth) -> None:
     """The members of all groups; who belongs to the largest, wherever it lies, is named there."""
-    largest = max(found, key=lambda union: union.mesh.area)
-    belong = belonging(found, growth)
+    largest, *others = largest_first(found)
+    belong = belonging(largest, others, growth)
     growth.unplaced = [member for union in belong for member in union.members]
     growth.groups = [
         (*union.members, *growth.unplaced) if union is largest else union.members
@@ -110,8 +110,7 @@ def _with_sure(
     growing = list(groups)
     done: list[Union] = []
     while growing:
-        here = max(growing, key=lambda union: union.mesh.area)
-        growing.remove(here)
+        here, *growing = largest_first(growing)
         others = [*growing, *done]
         # what members said already is sure, so the union need not be asked
         partner = _by_members(here, others, evidence, asking, growth)

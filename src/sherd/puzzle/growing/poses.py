@@ -21,7 +21,7 @@ from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.puzzle.growing.asking import Asking, asked, unless_strangers
 from sherd.puzzle.growing.members import carried
 from sherd.puzzle.growing.record import Growth
-from sherd.puzzle.growing.union import LAYER, Union, floating, larger_first, named_at
+from sherd.puzzle.growing.union import LAYER, Union, floating, larger_first, largest_first, named_at
 from sherd.puzzle.pairwise.answer import Ground, Meeting, ground_of
 from sherd.surface.described import DescribedSurface
 from sherd.surface.prepared import described_part
@@ -46,7 +46,7 @@ def ask_in_poses(groups: Sequence[Union], evidence: Floats, asking: Asking, grow
     other joints. Poses that differ by less than what is seen are one, and its own is known already.
     """
     likely = False
-    largest, *others = sorted(groups, key=lambda union: -union.mesh.area)
+    largest, *others = largest_first(groups)
     unasked = _unasked(largest, others, evidence, growth)
     if not unasked:
         return False

@@ -7,6 +7,7 @@ has the pose of the first piece, and shares more with a third piece than either.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -35,6 +36,7 @@ __all__ = [
     "Union",
     "floating",
     "larger_first",
+    "largest_first",
     "named_at",
     "origins",
     "repaired",
@@ -108,6 +110,11 @@ class Join:
 def larger_first(one: Union, other: Union) -> tuple[Union, Union]:
     """Both as they are asked; the first of two alike ones stays the first."""
     return (other, one) if other.mesh.area > one.mesh.area else (one, other)
+
+
+def largest_first(unions: Sequence[Union]) -> list[Union]:
+    """All of them by their area; of alike ones the first stays before."""
+    return sorted(unions, key=lambda union: -union.mesh.area)
 
 
 def united(join: Join) -> Union:
