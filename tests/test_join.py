@@ -146,10 +146,10 @@ def test_what_belongs_without_a_place_is_said_to_do_so(answer: Joined, tmp_path:
     jsonschema.validate(document, json.loads(SCHEMA.read_text()))
     assert [piece["unplaced"] for piece in document["pieces"]] == [False, False, False, True]
     summary = joined_summary(unplaced, tmp_path)
-    assert "(fills a gap; where it lies is not known)" in summary
-    assert summary.count("fills a gap") == 1
+    assert "(belongs; where it lies is not known)" in summary
+    assert summary.count("where it lies") == 1
     report = (tmp_path / "report.html").read_text()
-    assert "belongs to its group, as it fills a gap of it" in report
+    assert "belongs to its group, but where" in report
     assert "1 without a place" in report
     with pytest.raises(InvalidMeshError, match="one of the pieces"):
         replace(answer, unplaced=(4,))

@@ -20,6 +20,7 @@ from sherd.output import Stages
 from sherd.overlap import check_overlap_sizes
 from sherd.puzzle.growing.across import laid_across
 from sherd.puzzle.growing.asking import Asking
+from sherd.puzzle.growing.belonging import chance_as_a_part
 from sherd.puzzle.growing.growth import grown
 from sherd.puzzle.growing.joined_maps import direct_maps
 from sherd.puzzle.growing.record import Growth
@@ -101,7 +102,8 @@ def join(
     what is more likely right than not is joined, too, if nothing contradicts it, and what lies
     across from its twin; see :attr:`Joined.likely` and :attr:`Joined.by_twin`. Who is left then is
     asked with the largest group bent as each of its members is. And what fills a gap of it
-    somewhere belongs to it, though no map has it; see :attr:`Joined.unplaced`.
+    somewhere, or looks like a part of it or of its twin, belongs to it, though no map has it; see
+    :attr:`Joined.unplaced`.
 
     Examples
     --------
@@ -213,7 +215,7 @@ class _Asking:
     @property
     def ways(self) -> Asking:
         """All of them."""
-        return Asking(self.met, self.glance, self.laid, self.across)
+        return Asking(self.met, self.glance, self.laid, self.across, self.as_a_part)
 
     def met(self, first: Union, second: Union, known: Ints, taken: Bools | None) -> Meeting:
         """All that is known."""
@@ -233,6 +235,11 @@ class _Asking:
         """Where the second lies across from its twin; see :func:`laid_across`."""
         self.stages.show(f"growth: {_named(first)} and the mirror image of {_named(second)}")
         return laid_across(self.body(first.mesh), second.mesh)
+
+    def as_a_part(self, first: Union, second: Union) -> float:
+        """Whether the second belongs, wherever it lies; see :func:`chance_as_a_part`."""
+        self.stages.show(f"growth: {_named(second)} as a part of {_named(first)}")
+        return chance_as_a_part(self.body(first.mesh), second.mesh)
 
 
 def _named(union: Union) -> str:

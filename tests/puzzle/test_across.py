@@ -10,9 +10,7 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
-from sherd.errors import InfeasibleError
 from sherd.mesh.triangle_mesh import TriangleMesh
-from sherd.puzzle.growing import across as module
 from sherd.puzzle.growing.across import MOST_ACROSS, laid_across, on_its_twin
 from sherd.puzzle.pairwise.answer import JOINED
 from sherd.puzzle.pairwise.body import Body
@@ -60,21 +58,8 @@ def test_what_the_body_has_lies_within_it_and_not_across() -> None:
     assert laid_across(body, walking("tail_tip", 0.4).mesh) is None
 
 
-def bottle() -> TriangleMesh:
-    """A closed round thing with a neck, as large as a leg."""
-    turn, height = np.meshgrid(np.arange(40) * np.pi / 20, np.linspace(0, 1, 40), indexing="ij")
-    radius = 0.03 + 0.12 * np.exp(-20 * (height - 0.3) ** 2)
-    points = np.stack([radius * np.cos(turn), radius * np.sin(turn), height], axis=2)
-    number = np.arange(1600).reshape(40, 40)
-    right = np.roll(number, -1, axis=0)
-    corners = number[:, :-1], right[:, :-1], right[:, 1:], number[:, 1:]
-    halves = [np.stack([corners[k] for k in half], axis=2) for half in ((0, 1, 2), (0, 2, 3))]
-    faces = np.concatenate([half.reshape(-1, 3) for half in halves])
-    return TriangleMesh(points.reshape(-1, 3), faces, name="bottle")
-
-
-def test_what_is_no_limb_lies_nowhere() -> None:
-    assert laid_across(Body(body_without_a_leg().mesh, 0), bottle()) is None
+def test_what_is_no_limb_lies_nowhere(bottle) -> None:
+    assert laid_across(Body(body_without_a_leg().mesh, 0), bottle) is None
 
 
 @pytest.mark.parametrize(
@@ -92,17 +77,15 @@ def test_what_lies_there_as_it_is_or_covers_the_body_is_no_mirror_image_of_a_lim
         assert np.allclose(second.vertices[:, 0], -body.vertices[:, 0])
         return image
 
-    monkeypatch.setattr(module, "_matched", matched)
+    monkeypatch.setattr(Body, "matched", matched)
     assert (on_its_twin(Body(body, 0), body) is image) == stands
 
 
-def test_what_cannot_be_matched_has_no_twin(monkeypatch) -> None:
-    def matched(*_: Any) -> Any:
-        raise InfeasibleError("a dot")
-
-    monkeypatch.setattr(module, "_matched", matched)
-    body = body_without_a_leg().mesh
-    assert on_its_twin(Body(body, 0), body) is None
+def test_what_cannot_be_matched_has_no_twin() -> None:
+    body = Body(body_without_a_leg().mesh, 0)
+    larger = body.mesh.with_vertices(3.0 * body.mesh.vertices)
+    assert body.matched(larger) is None
+    assert on_its_twin(body, larger) is None
 
 
 def test_a_mirror_image_is_turned_outward() -> None:

@@ -40,9 +40,14 @@ def no_twins(first: Union, second: Union) -> None:
     """Nothing lies across from anything."""
 
 
-def ways(meet: Any, across: Any = no_twins) -> Asking:
+def no_part(first: Union, second: Union) -> float:
+    """Nothing looks like a part of anything."""
+    return 0.0
+
+
+def ways(meet: Any, across: Any = no_twins, as_a_part: Any = no_part) -> Asking:
     """Members are not asked here."""
-    return Asking(meet, meet, meet, across)
+    return Asking(meet, meet, meet, across, as_a_part)
 
 
 def answer(chance: float, *, twin: bool = False, by_skin: float = 0.0, filling: float = 0.0) -> Any:
@@ -533,4 +538,29 @@ def test_what_fills_a_gap_of_a_single_piece_is_alone() -> None:
 
     found = grown(pieces(2), np.ones((2, 2)), ways(meet))
     assert sorted(found.groups) == [(0,), (1,)]
+    assert not found.unplaced
+
+
+@pytest.mark.parametrize(("chance", "unplaced"), [(0.49, []), (0.51, [3])])
+def test_what_looks_like_a_part_of_the_largest_group_belongs_to_it(chance, unplaced) -> None:
+    asked = []
+
+    def as_a_part(first: Union, second: Union) -> float:
+        asked.append((first.members, second.members))
+        return chance if second.members == (3,) else 0.1
+
+    found = grown(pieces(4), np.ones((4, 4)), ways(fills_a_gap(2), as_a_part=as_a_part))
+    assert found.unplaced == [2, *unplaced]
+    # who fills a gap belongs already
+    assert asked == [((0, 1), (3,))]
+
+
+def test_nothing_is_a_part_of_a_single_piece() -> None:
+    def nothing(first: Union, second: Union, known: Ints, taken: Bools | None) -> Any:
+        return answer(0.1)
+
+    def as_a_part(first: Union, second: Union) -> float:
+        raise AssertionError("a single piece is no whole")
+
+    found = grown(pieces(2), np.ones((2, 2)), ways(nothing, as_a_part=as_a_part))
     assert not found.unplaced

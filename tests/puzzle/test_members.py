@@ -100,7 +100,7 @@ def test_where_a_member_is_sure_the_union_is_joined_there(cut, alone, halves, le
     def glance(first: Union, second: Union) -> Any:
         return replace(leg.met, chance=0.6 if first is alone[1] else 0.1)
 
-    asking = Asking(meet, glance, laid, no_twins)
+    asking = Asking(meet, glance, laid, no_twins, no_part)
     assert told_by_members(union, alone[2], asking, growth) is None
     ask_members(union, alone[2], np.ones((3, 3)), asking, growth)
     assert asked == [((1,), (2,))]  # what looks likely at a glance
@@ -145,7 +145,7 @@ def test_what_a_union_said_is_laid_on_one_that_has_it(cut, alone, halves, leg) -
     """The leg on the rear alone, and then on the front and the rear; both of one union."""
     union = united(halves)
     growth = Growth(alone, alone[0], joins=[halves])
-    asking = Asking(laid, laid, laid, no_twins)
+    asking = Asking(laid, laid, laid, no_twins, no_part)
     first = laid_as_before(leg, union, alone[2], asking, growth)
     assert first is not None
     again = laid_as_before(first, union, alone[2], asking, growth)
@@ -155,6 +155,11 @@ def test_what_a_union_said_is_laid_on_one_that_has_it(cut, alone, halves, leg) -
     off = on_full(cut, union, told.positions[told.known])
     off -= cut[2].truth.positions(cut[2].full)[told.known]
     assert np.linalg.norm(off, axis=1).mean() / cut[2].full.length < 0.015
+
+
+def no_part(first: Union, second: Union) -> float:
+    """Nothing is asked as a part."""
+    return 0.0
 
 
 def no_twins(first: Union, second: Union) -> None:
@@ -177,7 +182,7 @@ def test_what_evidence_ranks_last_is_not_asked(alone) -> None:
         asked.append(first.members[0])
         return SimpleNamespace(chance=0.1)
 
-    asking = Asking(laid, glance, laid, no_twins)
+    asking = Asking(laid, glance, laid, no_twins, no_part)
     ask_members(union, pieces[-1], evidence, asking, growth)
     assert asked == [count - 1 - k for k in range(members.MEMBERS)]
     assert not growth.sure_of_members
@@ -186,7 +191,7 @@ def test_what_evidence_ranks_last_is_not_asked(alone) -> None:
 def test_a_union_that_does_not_lie_there_is_not_joined(alone, leg, monkeypatch) -> None:
     union = replace(alone[1], members=(1, 0))
     growth = Growth(alone, alone[0], sure_of_members=[leg])
-    asking = Asking(laid, laid, lambda *_: leg.met, no_twins)
+    asking = Asking(laid, laid, lambda *_: leg.met, no_twins, no_part)
 
     def found() -> Join | None:
         return told_by_members(union, alone[2], asking, growth)

@@ -129,7 +129,7 @@ class Asked:
         return SimpleNamespace(chance=self.chances[second.members[0]], by_skin=0.0, filling=0.0)
 
     def of(self, union: Union, others: list[Union], evidence: Floats, growth: Growth) -> bool:
-        ways = Asking(not_asked, self.glance, not_asked, not_asked)
+        ways = Asking(not_asked, self.glance, not_asked, not_asked, not_asked)
         return ask_in_poses([union, *others], evidence, ways, growth)
 
 

@@ -18,8 +18,7 @@ from sherd.correspondence.confidence import LEAST, MOST
 from sherd.correspondence.shared.judgment import shared_area
 from sherd.correspondence.shared.round_trip import on_border
 from sherd.correspondence.shared.two_way_placement import share_something
-from sherd.errors import InfeasibleError
-from sherd.match import match_one_side, match_result
+from sherd.match import match_result
 from sherd.mesh.surface_points import closest_points
 from sherd.mesh.topology import renumbered
 from sherd.mesh.triangle_mesh import TriangleMesh
@@ -105,9 +104,8 @@ def on_its_twin(body: Body, second: TriangleMesh) -> MatchResult | None:
     None where it cannot be, where it would rather lie there as it is, and where it covers so much
     that no body is left that could have two sides.
     """
-    try:
-        found = _matched(body, mirrored_mesh(second))
-    except InfeasibleError:  # only what is larger than its whole, or a dot on it
+    found = body.matched(mirrored_mesh(second))
+    if found is None:
         return None
     as_it_is = found.twin_score
     mirrored = as_it_is is None or found.best.score > as_it_is
@@ -221,8 +219,3 @@ def _where_reliefs_agree(met: Meeting) -> Meeting:
 
 def _quiet() -> Stages:
     return Stages(visible=False)
-
-
-def _matched(body: Body, second: TriangleMesh) -> MatchResult:
-    options = MatchOptions(seed=body.seed)
-    return match_one_side(body.template, scan_intake(second), options, _quiet())

@@ -48,12 +48,16 @@ class Asking:
         What they share if the other lies where that is told.
     across
         Where the other lies across from its twin on the larger one; None if it does not.
+    as_a_part
+        The chance that the other, or its mirror image, is matched rightly with the larger one as
+        its whole.
     """
 
     meet: Meet
     glance: Callable[[Union, Union], Meeting]
     lay: Callable[[Union, Union, Told], Meeting]
     across: Callable[[Union, Union], Meeting | None]
+    as_a_part: Callable[[Union, Union], float]
 
 
 def asked(first: Union, second: Union, meet: Meet, growth: Growth) -> Join:

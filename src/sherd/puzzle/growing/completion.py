@@ -10,18 +10,24 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from itertools import combinations
 
 from sherd.correspondence.confidence import LEAST
 from sherd.puzzle.growing.asking import Asking
 from sherd.puzzle.growing.common_places import crowding, left_out, recalled
 from sherd.puzzle.growing.members import laid_as_before
-from sherd.puzzle.growing.record import CROWD, CROWDED_AT_LAST, Growth, chance_of, odds_beside
+from sherd.puzzle.growing.record import (
+    CROWD,
+    CROWDED_AT_LAST,
+    Growth,
+    chance_of,
+    odds_beside,
+    undisputed,
+)
 from sherd.puzzle.growing.union import Join, Union, larger_first, largest_first, united
 from sherd.puzzle.pairwise.answer import JOINED, LIKELY
 from sherd.puzzle.pairwise.join_chance import fills_a_gap, lies_within
 
-__all__ = ["belonging", "with_likely", "with_twins"]
+__all__ = ["with_likely", "with_twins"]
 
 
 def with_likely(groups: Sequence[Union], asking: Asking, growth: Growth) -> list[Union]:
@@ -97,48 +103,13 @@ def with_twins(groups: Sequence[Union], asking: Asking, growth: Growth) -> list[
             for other, met in answers
             if met is not None and met.chance >= LIKELY
         ]
-        joins = [join for _, join in _undisputed(claims)]
+        joins = [join for _, join in undisputed(claims)]
         if not joins:
             return found
         best = max(joins, key=chance_of)
         growth.across.append(best)
         growth.chances[best.first.members, best.second.members] = best.met.chance
         found = _joined(found, best, growth)
-
-
-def belonging(largest: Union, others: Sequence[Union], growth: Growth) -> list[Union]:
-    """Who fills a gap of the largest group, though where it lies there is not likely enough.
-
-    A limb on the place of its missing twin, or slid along its own, lies wrongly and belongs; what
-    is of another kind fills no gap (docs/method.md). Unless that place was filled since, or two
-    claim it. Of a single piece all that is missing is a gap, which tells nothing.
-    """
-    if len(largest.members) == 1:
-        return []
-    claims = [
-        (other, each)
-        for other in others
-        for each in growth.in_gaps
-        if set(each.first.members) <= set(largest.members)
-        and set(each.second.members) <= set(other.members)
-        and not _made_there(each, growth)
-    ]
-    claiming = {id(other) for other, _ in _undisputed(claims)}
-    return [other for other in others if id(other) in claiming]
-
-
-def _undisputed(claims: Sequence[tuple[Union, Join]]) -> list[tuple[Union, Join]]:
-    """The claims of unions that claim no place which another one claims as well.
-
-    Of two that do one may be another body's limb, and nothing tells which.
-    """
-    disputed = {
-        id(union)
-        for (one, claim), (other, rival) in combinations(claims, 2)
-        if one is not other and crowding(claim, rival) > CROWD
-        for union in (one, other)
-    }
-    return [(union, claim) for union, claim in claims if id(union) not in disputed]
 
 
 def _joined(groups: Sequence[Union], join: Join, growth: Growth) -> list[Union]:
@@ -212,18 +183,13 @@ def _chance_beside(before: Join, growth: Growth) -> float:
     Pieces overlap, so two may have one place rightly: as likely as that follows from both of what
     was sure; what was only likely does not tell.
     """
-    rivals = _made_there(before, growth)
+    rivals = growth.made_there(before)
     if not rivals:
         return before.met.chance
     if before.met.chance < JOINED:
         return LEAST
     odds = odds_beside(before, max(rivals, key=chance_of), CROWDED_AT_LAST)
     return odds / (1.0 + odds)
-
-
-def _made_there(join: Join, growth: Growth) -> list[Join]:
-    """What was joined in the place of an answer."""
-    return [made for made in growth.joins if crowding(join, made) > CROWD]
 
 
 def _contradicted(join: Join, before: Join, groups: Sequence[Union], growth: Growth) -> bool:

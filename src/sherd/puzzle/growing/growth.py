@@ -14,8 +14,9 @@ from functools import cache
 
 from sherd.arrays import Floats
 from sherd.puzzle.growing.asking import Asking, Meet, asked, unless_strangers
+from sherd.puzzle.growing.belonging import belonging
 from sherd.puzzle.growing.common_places import crowding, laid_alike, taken_by
-from sherd.puzzle.growing.completion import belonging, with_likely, with_twins
+from sherd.puzzle.growing.completion import with_likely, with_twins
 from sherd.puzzle.growing.joined_maps import open_loop
 from sherd.puzzle.growing.members import ask_members, told_by_members
 from sherd.puzzle.growing.poses import ask_in_poses
@@ -74,14 +75,14 @@ def grown(pieces: Sequence[Union], evidence: Floats, asking: Asking) -> Growth:
         if len(growth.joins) == count:
             break
         found = _with_what_follows(found, evidence, asking, growth)
-    _name_groups(found, growth)
+    _name_groups(found, asking, growth)
     return growth
 
 
-def _name_groups(found: Sequence[Union], growth: Growth) -> None:
+def _name_groups(found: Sequence[Union], asking: Asking, growth: Growth) -> None:
     """The members of all groups; who belongs to the largest, wherever it lies, is named there."""
     largest, *others = largest_first(found)
-    belong = belonging(largest, others, growth)
+    belong = belonging(largest, others, asking, growth)
     growth.unplaced = [member for union in belong for member in union.members]
     growth.groups = [
         (*union.members, *growth.unplaced) if union is largest else union.members

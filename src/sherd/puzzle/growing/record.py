@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from itertools import combinations
 
 from sherd.arrays import Bools
 from sherd.puzzle.growing.common_places import crowding, taken_by
@@ -20,6 +21,7 @@ __all__ = [
     "laid_there",
     "odds_beside",
     "odds_of",
+    "undisputed",
 ]
 
 # Above all chances: who was never asked is asked first.
@@ -128,6 +130,10 @@ class Growth:
         found = [each for each in self.likely if _are_parts(_members(each), (first, second))]
         return sorted(found, key=chance_of, reverse=True)
 
+    def made_there(self, join: Join) -> list[Join]:
+        """What was joined in the place of an answer."""
+        return [made for made in self.joins if crowding(join, made) > CROWD]
+
     def taken(self, first: Union, second: Union) -> Bools | None:
         """The vertices (n,) of the first union that were settled to be others' places, if any."""
         taken = None
@@ -194,6 +200,20 @@ def odds_beside(join: Join, rival: Join, often: float) -> float:
 def laid_there(before: Join, join: Join, members: tuple[int, ...]) -> bool:
     """Whether an earlier answer laid these members where the second of a join lies."""
     return before.second.members == members and crowding(before, join) > CROWD
+
+
+def undisputed(claims: Sequence[tuple[Union, Join]]) -> list[tuple[Union, Join]]:
+    """The claims of unions that claim no place which another one claims as well.
+
+    Of two that do one may be another body's limb, and nothing tells which.
+    """
+    disputed = {
+        id(union)
+        for (one, claim), (other, rival) in combinations(claims, 2)
+        if one is not other and crowding(claim, rival) > CROWD
+        for union in (one, other)
+    }
+    return [(union, claim) for union, claim in claims if id(union) not in disputed]
 
 
 def _members(join: Join) -> tuple[tuple[int, ...], tuple[int, ...]]:

@@ -7,12 +7,18 @@ from dataclasses import dataclass
 from sherd.arrays import Bools, Floats
 from sherd.correspondence.confidence import LEAST
 from sherd.correspondence.shared.told_placement import placed_where_told
+from sherd.errors import InfeasibleError
+from sherd.match import match_one_side
 from sherd.mesh.surface_points import closest_points
 from sherd.mesh.triangle_mesh import TriangleMesh
+from sherd.output import Stages
 from sherd.overlap import STRETCH, prepare_both_ways, queries_both_ways, questions_of
 from sherd.puzzle.pairwise.answer import Meeting
 from sherd.puzzle.pairwise.meeting import NOTHING_KNOWN
+from sherd.results.match_options import MatchOptions
+from sherd.results.match_result import MatchResult
 from sherd.results.overlap_options import OverlapOptions
+from sherd.scan.intake import scan_intake
 from sherd.surface.described import DescribedSurface
 from sherd.surface.prepared import described_part
 from sherd.surface.template import Template
@@ -63,6 +69,16 @@ class Body:
         surface = described_part(self.mesh, self.mesh.length)
         prepare_both_ways(surface)
         return surface
+
+    def matched(self, second: TriangleMesh) -> MatchResult | None:
+        """A surface as a piece of it; None where it cannot be, being larger, or a dot on it."""
+        options = MatchOptions(seed=self.seed)
+        try:
+            return match_one_side(
+                self.template, scan_intake(second), options, Stages(visible=False)
+            )
+        except InfeasibleError:
+            return None
 
     def met(self, second: TriangleMesh, told: Told) -> Meeting:
         """Both laid on each other where that is told; the chance is not known yet."""

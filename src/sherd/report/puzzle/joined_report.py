@@ -251,8 +251,8 @@ def _sentences(result: Joined) -> tuple[str, ...]:
     said.append(f"{asked} of {len(result.pairs)} pairs were asked in full.")
     said += [_likely_words(result, number) for number in result.likely]
     said += [
-        f"{number} {result.pieces[number].name} belongs to its group, as it fills a gap of it, but "
-        "where it lies is not likely enough, so no map has it."
+        f"{number} {result.pieces[number].name} belongs to its group, but where it lies is not "
+        "likely enough, so no map has it."
         for number in result.unplaced
     ]
     if np.isfinite(result.cycle_before):

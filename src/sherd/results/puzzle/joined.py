@@ -78,8 +78,9 @@ class Joined(FrozenState):
         on the other limb of the pair. So would that of another body of the same kind.
     unplaced
         Pieces that belong to their group and are on no map to it, in order: somewhere they fill a
-        gap of it, as what is of another kind does not, but where they lie is not likely enough.
-        Another body's piece of the same kind may fill a gap as well.
+        gap of it, or they look like a part of it or of its mirror image, as what is of another kind
+        does not, but where they lie is not likely enough. Another body's piece of the same kind may
+        do so as well.
     """
 
     pieces: tuple[TriangleMesh, ...]
@@ -125,7 +126,7 @@ class Joined(FrozenState):
         """The name of a piece, and how likely it belongs there if that is not sure."""
         name = self.pieces[number].name
         if number in self.unplaced:
-            return f"{name} (fills a gap; where it lies is not known)"
+            return f"{name} (belongs; where it lies is not known)"
         if number not in self.likely:
             return name
         reason = " by its twin" if number in self.by_twin else ""
