@@ -243,7 +243,7 @@ class PairQuestion:
         likeness = likeness_of_both(questions, placements)
         features = join_features(labelings, questions, placements, likeness, self.seed)
         skin = SlidChance(0.0, 0.0)
-        may_lie = may_lie_right(features)
+        may_be, may_lie = may_be_right(features), may_lie_right(features)
         if may_lie:
             skin = chance_as_it_lies(questions, placements, likeness)
         twin = fits_a_twin(features) or skin.turned
@@ -259,9 +259,9 @@ class PairQuestion:
             filling=skin.filling,
             leads=leads,
             handedness=float(features[HANDEDNESS]),
-            fills=may_lie and fills_a_gap(questions, placements),
+            fills=may_lie and may_be and fills_a_gap(questions, placements),
         )
-        return _slid(met, skin) if may_be_right(features) or skin.fitting >= WORTH_A_SLIDE else met
+        return _slid(met, skin) if may_be or skin.fitting >= WORTH_A_SLIDE else met
 
 
 def _unlike(place: SharedPlacement, queries: Queries) -> SharedPlacement:
