@@ -106,6 +106,13 @@ def test_pieces_without_a_whole_are_measured_and_kept(animals, tmp_path, monkeyp
     assert "a foreign piece joined" in joining.join_table([row])
 
 
+def test_puzzles_of_one_shape_have_names_of_their_own(animals, tmp_path) -> None:
+    names = [source.name for source in joining.sources_of_joining(animals, 3, per_shape=10)]
+    assert len(set(names)) == len(names) == 10 * len(joining.sources_of_joining(animals, 3)) // 2
+    with pytest.raises(OptionError, match="per shape"):
+        joining.join_benchmark(animals, tmp_path, per_shape=11)
+
+
 def test_overlaps_of_any_width_are_cut_from_the_same_cells(animals) -> None:
     narrow = joining.sources_of_joining(animals, 3)[0]
     wide = joining.sources_of_joining(animals, 3, 0.4)[0]

@@ -32,6 +32,8 @@ from sherd.spectral.surface_distances import SurfaceDistances
 
 __all__ = ["JoinRow", "join_benchmark", "join_table", "sources_of_joining"]
 
+# How the puzzles of one shape are called, which are cut from elsewhere and in other poses.
+TURNS = ("", "again", "third", "fourth", "fifth", "sixth", "seventh", "eighth", "ninth", "tenth")
 # Two pieces are neighbors if they share so much of the smaller one.
 LEAST_SHARED = 0.01
 
@@ -84,9 +86,9 @@ class JoinRow:
 
 
 def sources_of_joining(
-    directory: Path, count: int, overlap: float = OVERLAP, cut: str = "cells"
+    directory: Path, count: int, overlap: float = OVERLAP, cut: str = "cells", per_shape: int = 2
 ) -> list[PuzzleSource]:
-    """Two puzzles of each shape; the second is cut from elsewhere and in other poses.
+    """Puzzles of each shape, each cut from elsewhere and in other poses; first one of each.
 
     For all overlaps cells and poses are the same.
 
@@ -98,7 +100,8 @@ def sources_of_joining(
     shapes = {source.path: source for source in puzzle_sources(directory) if source.others}
     return [
         PuzzleSource(path, source.others, kind, count, overlap=overlap, cut=cut)
-        for kind in (OVERLAPPING_FOREIGN, f"{OVERLAPPING_FOREIGN}, again")
+        for turn in TURNS[:per_shape]
+        for kind in [f"{OVERLAPPING_FOREIGN}, {turn}" if turn else OVERLAPPING_FOREIGN]
         for path, source in sorted(shapes.items())
     ]
 
@@ -110,6 +113,7 @@ def join_benchmark(
     count: int = 6,
     overlap: float = OVERLAP,
     cut: str = "cells",
+    per_shape: int = 2,
     limit: int | None = None,
     jobs: int = 1,
 ) -> list[JoinRow]:
@@ -129,8 +133,10 @@ def join_benchmark(
         Share of its area that each piece reaches beyond its cell.
     cut
         Into "cells", or "balls" of one area.
+    per_shape
+        How many puzzles of each shape, ten at most.
     limit
-        How many puzzles; two of each shape if not given.
+        How many puzzles, of these the first; all if not given.
     jobs
         Processes.
 
@@ -145,11 +151,12 @@ def join_benchmark(
     """
     require_whole("pieces", count, 2, 12, "more pieces hardly overlap")
     require_finite("overlap", overlap, 0.01, 0.99, "pieces are joined where they overlap")
+    require_whole("per shape", per_shape, 1, len(TURNS), "more cuts of a shape have no names")
     if limit is not None:
         require_whole("puzzles", limit, 1, 10**6, "no folder has more puzzles")
     if cut not in CUTS:
         raise OptionError(f"cut is {cut!r}, but {' or '.join(CUTS)} is needed")
-    sources = sources_of_joining(directory, count, overlap, cut)
+    sources = sources_of_joining(directory, count, overlap, cut, per_shape)
     return measured_and_kept(
         sources[:limit],
         _measured,

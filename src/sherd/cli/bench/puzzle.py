@@ -77,7 +77,14 @@ def puzzle_command(
     show_default=True,
     help="Cells of points that lie far apart, or balls about these, all of one area.",
 )
-@click.option("--puzzles", "limit", type=int, help="First puzzles only; two of each shape if none.")
+@click.option(
+    "--per-shape",
+    type=int,
+    default=2,
+    show_default=True,
+    help="Puzzles of each shape, each cut from elsewhere and in other poses; ten at most.",
+)
+@click.option("--puzzles", "limit", type=int, help="First puzzles only; all if none.")
 @click.option("--jobs", type=int, default=1, show_default=True, help="Processes.")
 @click.option("-o", "--output", type=click.Path(path_type=Path), required=True, help="Folder.")
 def join_command(
@@ -86,6 +93,7 @@ def join_command(
     count: int,
     overlap: float,
     cut: str,
+    per_shape: int,
     limit: int | None,
     jobs: int,
     output: Path,
@@ -101,7 +109,14 @@ def join_command(
       sherd bench join tosca_poses/ --overlap 0.3 -o bench/
     """  # noqa: D301
     rows = join_benchmark(
-        directory, output, count=count, overlap=overlap, cut=cut, limit=limit, jobs=jobs
+        directory,
+        output,
+        count=count,
+        overlap=overlap,
+        cut=cut,
+        per_shape=per_shape,
+        limit=limit,
+        jobs=jobs,
     )
     click.echo(join_table(rows))
     return 0
