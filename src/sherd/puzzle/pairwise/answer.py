@@ -65,8 +65,9 @@ class Meeting:
         The logarithm of the energy of its mirror image over its own, as first laid.
     fills
         Whether each goes on all around where the other one ends, where it may be right as first
-        laid, and enough is alike that the skin may be asked. So a horse's tail that lies where a
-        cat's belongs does not (0.14 as it was laid; own ones that were left 0.24 and more).
+        laid and reliefs are as alike as they must be: all that tells own skin but its side and its
+        form, which twins and tails lack. Of 30 pieces of other species none does so; five fill a
+        gap by less, with 0.06 to 0.3 less relief, or 0.08 as laid.
     in_gap
         Of all answers to the same question the likeliest that fills so; None if none does.
     """

@@ -243,8 +243,8 @@ class PairQuestion:
         likeness = likeness_of_both(questions, placements)
         features = join_features(labelings, questions, placements, likeness, self.seed)
         skin = SlidChance(0.0, 0.0)
-        may_be, may_lie = may_be_right(features), may_lie_right(features)
-        if may_lie:
+        may_be = may_be_right(features)
+        if may_lie_right(features):
             skin = chance_as_it_lies(questions, placements, likeness)
         twin = fits_a_twin(features) or skin.turned
         chance, leads = join_chance(features), enough_lead(features)
@@ -259,7 +259,7 @@ class PairQuestion:
             filling=skin.filling,
             leads=leads,
             handedness=float(features[HANDEDNESS]),
-            fills=may_lie and may_be and fills_a_gap(questions, placements),
+            fills=may_be and skin.alike and fills_a_gap(questions, placements),
         )
         return _slid(met, skin) if may_be or skin.fitting >= WORTH_A_SLIDE else met
 

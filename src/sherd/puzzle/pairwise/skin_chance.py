@@ -101,6 +101,8 @@ class SlidChance:
         That by all but reliefs, of which a small place has too few bumps.
     filling
         That by the skin alone if it fills a gap.
+    alike
+        Whether reliefs are as alike as they must be.
     turned
         Whether it lies on its twin: within the other, with reliefs alike, but more like mirrored.
     """
@@ -109,6 +111,7 @@ class SlidChance:
     by_skin: float
     fitting: float = 0.0
     filling: float = 0.0
+    alike: bool = False
     turned: bool = False
 
 
@@ -126,9 +129,10 @@ def chance_as_it_lies(
         return SlidChance(LEAST, 0.0)
     within = lies_within(questions, placements)
     led = 0.0 if within else skin.led
-    turned = within and skin.alike >= 0.0 and skin.handed < TURNED
+    alike = skin.alike >= 0.0
+    turned = within and alike and skin.handed < TURNED
     chance = float(np.clip(led, LEAST, MOST))
-    return SlidChance(chance, skin.by_skin, skin.fitting, skin.filling, turned)
+    return SlidChance(chance, skin.by_skin, skin.fitting, skin.filling, alike, turned)
 
 
 def chance_where_it_slid(
