@@ -133,3 +133,19 @@ def test_what_is_sure_by_its_skin_stays_where_a_slide_would_leave_it(monkeypatch
     monkeypatch.setattr(module, "chance_where_it_slid", lambda *_: SlidChance(0.9, 0.9))
     moved = pair_question(front, back, 0, describe=described_once).in_full()
     assert not any(moved.placements is each for each in laid)
+
+
+def test_what_fills_a_gap_may_be_right_and_is_alike_in_relief(monkeypatch) -> None:
+    """What is of another kind may go on all around, and its reliefs are less alike."""
+    question = pair_question(*front_and_back(), 0, describe=described_once)
+    monkeypatch.setattr(module, "join_chance", lambda _: 0.1)
+    monkeypatch.setattr(module, "may_lie_right", lambda _: True)
+    monkeypatch.setattr(module, "_slid", lambda met, _: met)
+    for case in ((True, True, True), (False, True, True), (True, False, True), (True, True, False)):
+        may_be, alike, all_around = case
+        said = SlidChance(0.0, 0.0, alike=alike)
+        monkeypatch.setattr(module, "may_be_right", lambda _, may_be=may_be: may_be)
+        monkeypatch.setattr(module, "chance_as_it_lies", lambda *_, said=said: said)
+        monkeypatch.setattr(module, "fills_a_gap", lambda *_, around=all_around: around)
+        # the same labels, judged anew
+        assert replace(question).at_a_glance().fills == all(case)
