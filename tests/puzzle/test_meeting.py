@@ -138,7 +138,11 @@ def test_what_is_sure_by_its_skin_stays_where_a_slide_would_leave_it(monkeypatch
 def test_what_fills_a_gap_may_be_right_and_is_alike_in_relief(monkeypatch) -> None:
     """What is of another kind may go on all around, and its reliefs are less alike."""
     question = pair_question(*front_and_back(), 0, describe=described_once)
-    monkeypatch.setattr(module, "join_chance", lambda _: 0.1)
+    laid = question.at_a_glance().placements
+    for name in ("first_look", "looked_closer"):
+        monkeypatch.setattr(module, name, lambda *_, **__: laid)
+    monkeypatch.setattr(module, "likeness_of_both", lambda *_: None)
+    monkeypatch.setattr(module, "join_features", lambda *_: np.zeros(8))
     monkeypatch.setattr(module, "may_lie_right", lambda _: True)
     monkeypatch.setattr(module, "_slid", lambda met, _: met)
     for case in ((True, True, True), (False, True, True), (True, False, True), (True, True, False)):
