@@ -15,7 +15,7 @@ from sherd.correspondence.shared.two_way_placement import first_look
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.puzzle.pairwise import meeting as module
 from sherd.puzzle.pairwise.answer import Meeting
-from sherd.puzzle.pairwise.meeting import pair_question
+from sherd.puzzle.pairwise.meeting import PairQuestion, pair_question
 from sherd.puzzle.pairwise.skin_chance import SlidChance
 from sherd.results.advice import SURE
 from sherd.shapes import creature, cut_by_ball, landmarks, whole
@@ -45,6 +45,12 @@ def front_and_back() -> tuple[TriangleMesh, TriangleMesh]:
     return front, back
 
 
+@cache
+def labeled_once() -> PairQuestion:
+    """The front and the back, labeled; who asks `replace`s it, so that the answer is its own."""
+    return pair_question(*front_and_back(), 0, describe=described_once)
+
+
 def likeliest(answers: list[Meeting], _: object) -> Meeting:
     """No mirror image is asked."""
     return max(answers, key=lambda met: met.chance)
@@ -66,10 +72,9 @@ def test_what_comes_back_nowhere_is_not_looked_at_closer(monkeypatch) -> None:
         there, back = first_look(*given, **options)
         return replace(there, shared=np.zeros_like(there.shared)), back
 
-    front, back = front_and_back()
     monkeypatch.setattr(module, "first_look", seen_once)
     monkeypatch.setattr(module, "looked_closer", lambda *_, **__: pytest.fail("looked closer"))
-    met = pair_question(front, back, 0, describe=described_once).at_a_glance()
+    met = replace(labeled_once()).at_a_glance()
     assert met.chance == LEAST
     assert not met.twin
     assert not met.placements[0].shared.any()
@@ -81,7 +86,6 @@ def test_what_comes_back_nowhere_is_not_looked_at_closer(monkeypatch) -> None:
 
 def test_what_may_be_right_its_place_slides_and_is_judged_there(monkeypatch) -> None:
     """It lies where it slid to if that is likelier, or if reliefs are more alike there."""
-    front, back = front_and_back()
     laid, home = [], []
 
     def slid(_: object, found: Any, **__: float) -> Any:
@@ -104,14 +108,13 @@ def test_what_may_be_right_its_place_slides_and_is_judged_there(monkeypatch) -> 
             "alike_in_relief",
             lambda _, found, alike=alike: alike * any(found is each for each in home),
         )
-        found = pair_question(front, back, 0, describe=described_once).in_full()
+        found = replace(labeled_once()).in_full()
         assert found.chance == chance
         assert any(found.placements is each for each in (home if moves else laid))
 
 
 def test_what_is_sure_by_its_skin_stays_where_a_slide_would_leave_it(monkeypatch) -> None:
     """A slide looks for what is alike and may find it beside the right place."""
-    front, back = front_and_back()
     laid = []
 
     def slid(_: object, found: Any, **__: float) -> Any:
@@ -127,18 +130,18 @@ def test_what_is_sure_by_its_skin_stays_where_a_slide_would_leave_it(monkeypatch
     monkeypatch.setattr(module, "join_chance", lambda _: 0.1)
     monkeypatch.setattr(module, "chance_as_it_lies", lambda *_: SlidChance(0.95, 0.95, 0.95))
     monkeypatch.setattr(module, "chance_where_it_slid", lambda *_: SlidChance(0.3, 0.3))
-    found = pair_question(front, back, 0, describe=described_once).in_full()
+    found = replace(labeled_once()).in_full()
     assert found.chance == 0.95
     assert any(found.placements is each for each in laid)
     monkeypatch.setattr(module, "chance_where_it_slid", lambda *_: SlidChance(0.9, 0.9))
-    moved = pair_question(front, back, 0, describe=described_once).in_full()
+    moved = replace(labeled_once()).in_full()
     assert not any(moved.placements is each for each in laid)
 
 
 def test_what_fills_a_gap_may_be_right_and_is_alike_in_relief(monkeypatch) -> None:
     """What is of another kind may go on all around, and its reliefs are less alike."""
-    question = pair_question(*front_and_back(), 0, describe=described_once)
-    laid = question.at_a_glance().placements
+    question = labeled_once()
+    laid = replace(question).at_a_glance().placements
     for name in ("first_look", "looked_closer"):
         monkeypatch.setattr(module, name, lambda *_, **__: laid)
     monkeypatch.setattr(module, "likeness_of_both", lambda *_: None)
