@@ -139,5 +139,5 @@ def test_what_is_known_of_places_that_are_taken_does_not_count(pieces, join) -> 
     beside = front.vertices - along
     taken = beside @ (beside[known[0, 0]] - beside[known[-1, 0]]) > 0
     assert 0 < taken[known[:, 0]].sum() < len(known)
-    again = pair_question(front, pieces[1].mesh, 0, known, taken).at_a_glance()
+    again = pair_question(front, pieces[1].mesh, 0, known, taken).in_full()
     assert 0 <= again.chance <= 1
