@@ -130,3 +130,17 @@ def make_match(exhibit: Exhibit) -> MatchResult:
 def match_result_of():
     """Build the result of a match from an exhibit."""
     return make_match
+
+
+@pytest.fixture(scope="session")
+def bottle() -> TriangleMesh:
+    """A closed round thing with a neck, as large as a leg."""
+    turn, height = np.meshgrid(np.arange(40) * np.pi / 20, np.linspace(0, 1, 40), indexing="ij")
+    radius = 0.03 + 0.12 * np.exp(-20 * (height - 0.3) ** 2)
+    points = np.stack([radius * np.cos(turn), radius * np.sin(turn), height], axis=2)
+    number = np.arange(1600).reshape(40, 40)
+    right = np.roll(number, -1, axis=0)
+    corners = number[:, :-1], right[:, :-1], right[:, 1:], number[:, 1:]
+    halves = [np.stack([corners[k] for k in half], axis=2) for half in ((0, 1, 2), (0, 2, 3))]
+    faces = np.concatenate([half.reshape(-1, 3) for half in halves])
+    return TriangleMesh(points.reshape(-1, 3), faces, name="bottle")

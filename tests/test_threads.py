@@ -30,6 +30,7 @@ from sherd.threads import (
     cached_property,
     one_blas_thread,
     over_rows,
+    search_threads,
     set_thread_count,
     side_by_side,
     thread_count,
@@ -72,6 +73,11 @@ def test_errors_reach_the_caller(threads: int) -> None:
 
     with pytest.raises(ValueError, match="the last slice"):
         over_rows(kernel, 100)
+
+
+def test_a_search_takes_as_many_threads_as_may_work_if_it_is_long(threads: int) -> None:
+    assert search_threads(10) == 1
+    assert search_threads(10_000) == threads
 
 
 def test_threads_are_made_once(threads: int) -> None:

@@ -14,7 +14,7 @@ from sherd.puzzle.growing.common_places import laid_alike, left_out, recalled
 from sherd.puzzle.growing.joined_maps import direct_maps
 from sherd.puzzle.growing.union import Join, Union, repaired, united
 from sherd.puzzle.pairwise.answer import Meeting
-from sherd.puzzle.pairwise.meeting import pair_question
+from sherd.puzzle.pairwise.meeting import free_vertices, pair_question
 from sherd.results.advice import SURE
 from sherd.shapes import creature, cut_by_ball, landmarks, moved, whole
 from sherd.shapes.fragment import Fragment
@@ -139,5 +139,11 @@ def test_what_is_known_of_places_that_are_taken_does_not_count(pieces, join) -> 
     beside = front.vertices - along
     taken = beside @ (beside[known[0, 0]] - beside[known[-1, 0]]) > 0
     assert 0 < taken[known[:, 0]].sum() < len(known)
-    again = pair_question(front, pieces[1].mesh, 0, known, taken).in_full()
-    assert 0 <= again.chance <= 1
+    question = pair_question(front, pieces[1].mesh, 0, known, taken)
+    asked = question.problems[0].question
+    assert 0 < len(asked.pins.landmarks) < len(known)
+    free = free_vertices(question.described[0], front, taken)
+    found = question.labelings.forward
+    labeled = question.problems[0].labels.vertices[found.labels[found.placed]]
+    assert free[labeled].all()
+    assert 0 <= question.at_a_glance().chance <= 1
