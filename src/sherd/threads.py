@@ -16,14 +16,17 @@ from threading import Lock
 from typing import Any, Generic, TypeVar, overload
 
 __all__ = [
-    "begun", "cached_property", "one_blas_thread", "over_rows", "set_thread_count", "side_by_side",
-    "thread_count",
+    "begun", "cached_property", "one_blas_thread", "over_rows", "search_threads",
+    "set_thread_count", "side_by_side", "thread_count",
 ]  # fmt: skip
 
 Result = TypeVar("Result")
 
 # So that no core waits long for the slowest slice; a slice costs 20 microseconds.
 SLICES_PER_THREAD = 4
+# To start the threads of a search takes as long as one thread needs for 200 neighborhoods; five
+# times as many are worth it.
+SEARCHED_TOGETHER = 1000
 
 _limit: list[int] = []
 
@@ -61,6 +64,11 @@ def thread_count() -> int:
 def set_thread_count(count: int) -> None:
     """Let fewer threads work, as when several processes share the cores."""
     _limit[:] = [count]
+
+
+def search_threads(count: int) -> int:
+    """The `workers` of a search of scipy's k-d tree for the neighbors of so many places."""
+    return thread_count() if count >= SEARCHED_TOGETHER else 1
 
 
 def over_rows(kernel: Callable[..., None], count: int, *arguments: Any) -> None:

@@ -11,7 +11,7 @@ from sherd.correspondence.similar_places_kernel import Sheet, Spectra, most_alik
 from sherd.descriptors.rotation_shot import shift_table
 from sherd.mesh.vertex_cells_kernel import sorted_into_cells
 from sherd.surface.described import DescribedSurface
-from sherd.threads import over_rows
+from sherd.threads import over_rows, search_threads
 
 __all__ = ["Look", "similar_places"]
 
@@ -51,7 +51,8 @@ def similar_places(
     """
     here = positions[look.vertices]
     # the nearest vertex is always compared, and says which sheet of the surface is meant
-    nearest: Ints = np.asarray(full.vertex_tree.query(here, workers=-1)[1])
+    workers = search_threads(len(here))
+    nearest: Ints = np.asarray(full.vertex_tree.query(here, workers=workers)[1])
     mesh = full.mesh
     targets = np.empty((len(here), 3))
     confidence, similarity = np.empty(len(here)), np.empty(len(here))

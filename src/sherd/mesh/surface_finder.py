@@ -12,6 +12,7 @@ from sherd.mesh.geometry import face_balls, face_cross, lengths
 from sherd.mesh.sizes import LARGEST_PART
 from sherd.mesh.surface_points import BLOCK, SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
+from sherd.threads import search_threads
 
 __all__ = ["SurfaceFinder", "SurfaceFollower"]
 
@@ -71,7 +72,7 @@ class SurfaceFinder:
         query = _with_normals(positions, normals)
         away, near = (
             np.reshape(found, (-1, count))
-            for found in self._faces.query(query, k=count, workers=-1)
+            for found in self._faces.query(query, k=count, workers=search_threads(len(query)))
         )
         return near, away[:, -1]
 

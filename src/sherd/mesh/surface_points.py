@@ -12,6 +12,7 @@ from sherd.arrays import Floats, FrozenState, Ints, frozen
 from sherd.errors import InvalidMeshError
 from sherd.mesh.geometry import face_balls
 from sherd.mesh.triangle_mesh import TriangleMesh
+from sherd.threads import search_threads
 
 __all__ = ["SurfacePoints", "closest_points", "points_at_vertices"]
 
@@ -143,8 +144,10 @@ def closest_points(
     faces, weights = np.empty(len(points), dtype=np.int64), np.empty((len(points), 3))
     for start in range(0, len(points), BLOCK):  # the neighbors of all points at once fill memory
         block = slice(start, start + BLOCK)
-        near = tree.query(points[block], k=count, workers=-1)[1].reshape(-1, count)
+        here = points[block]
+        found = tree.query(here, k=count, workers=search_threads(len(here)))[1]
+        near = found.reshape(-1, count)
         faces[block], weights[block] = closest_on_faces(
-            points[block], near, corners, balls, np.zeros(near.shape)
+            here, near, corners, balls, np.zeros(near.shape)
         )
     return SurfacePoints(faces, weights)

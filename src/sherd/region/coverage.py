@@ -12,6 +12,7 @@ from sherd.energy.cleanup import raised_to_area, threshold_to_area
 from sherd.mesh.topology import named_vertices
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.spectral.operators import stiffness
+from sherd.threads import search_threads
 
 __all__ = ["covered_region", "smoothed"]
 
@@ -81,6 +82,7 @@ def _near_border(mesh: TriangleMesh, covered: Bools) -> Bools:
     tree = cKDTree(mesh.vertices[named_vertices(mesh.faces[mixed], mesh.vertex_count)])
     reach = BAND * WIDTH / np.sqrt(2)
     # through space it is nearer than along the surface, so nobody is left out
-    distance = tree.query(mesh.vertices, distance_upper_bound=reach, workers=-1)[0]
+    workers = search_threads(mesh.vertex_count)
+    distance = tree.query(mesh.vertices, distance_upper_bound=reach, workers=workers)[0]
     near: Bools = np.isfinite(distance)
     return near
