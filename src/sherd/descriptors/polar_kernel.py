@@ -29,78 +29,108 @@ def polar_means(  # noqa: PLR0913
     away, place = np.full(size, np.inf), np.full(size, -1, np.int64)
     heap, reached = np.empty(size, np.int64), np.empty(size, np.int64)
     flat, axes = np.empty((size, 2)), np.empty((size, 3))
-    done = np.zeros(size, np.uint8)
+    done, before = np.zeros(size, np.uint8), np.empty(size, np.int64)
     reach = (seen.shape[1] + 0.5) * width
     for row in range(rows[0], rows[1]):
         source = sources[row]
         away[source], flat[source, 0], flat[source, 1] = 0.0, 0.0, 0.0
-        axes[source] = x_axes[row]
         heap[0], place[source], reached[0] = source, 0, source
         filled, count = 1, 1
         while filled > 0:
             vertex = pop(heap, place, away, filled)
             filled -= 1
             done[vertex] = 1
-            if away[vertex] > reach:
-                continue
+            near = away[vertex]
+            if near > reach:
+                break  # and so is all that is left
             _vote(row, vertex, flat, width, pictures, weights, means, seen)
-            normal = z_axes[row] if vertex == source else normals[vertex]
+            if vertex == source:
+                normal = _row(z_axes, row)
+                axis = _row(x_axes, row)
+            else:
+                # its axis is that of the vertex it was reached from at last
+                last = before[vertex]
+                above = _row(z_axes, row) if last == source else _row(normals, last)
+                normal = _row(normals, vertex)
+                axis = _carried(above, normal, _row(axes, last))
+            axes[vertex, 0], axes[vertex, 1], axes[vertex, 2] = axis
+            beside = _cross(normal, axis)
             for entry in range(starts[vertex], starts[vertex + 1]):
                 other = neighbors[entry]
                 if done[other] == 1:
                     continue
-                x, y = _beyond(vertices, vertex, other, normal, axes, flat)
+                x, y = _laid_flat(vertices, vertex, other, axis, beside)
+                x, y = flat[vertex, 0] + x, flat[vertex, 1] + y
                 # where paths turn back the order in which vertices are reached is kept
-                distance = max(math.sqrt(x * x + y * y), away[vertex])
+                distance = max(math.sqrt(x * x + y * y), near)
                 if distance < away[other]:
                     if away[other] == np.inf:
                         reached[count] = other
                         count += 1
                     away[other], flat[other, 0], flat[other, 1] = distance, x, y
-                    _carry(normal, normals[other], axes, vertex, other)
+                    before[other] = vertex
                     filled = lower(heap, place, away, other, filled)
         for entry in range(count):
-            away[reached[entry]], done[reached[entry]] = np.inf, 0
+            vertex = reached[entry]
+            away[vertex], done[vertex], place[vertex] = np.inf, 0, -1
     _divide(rows, means, seen)
 
 
-@compiled()
-def _beyond(vertices, vertex, other, normal, axes, flat):
-    """Plane coordinates of a neighbor: those of the vertex and the edge, laid flat."""
+@compiled(inline="always")
+def _laid_flat(vertices, vertex, other, axis, beside):
+    """The edge to a neighbor in the plane of two axes, as long as it is."""
     a = vertices[other, 0] - vertices[vertex, 0]
     b = vertices[other, 1] - vertices[vertex, 1]
     c = vertices[other, 2] - vertices[vertex, 2]
-    u, v, w = axes[vertex, 0], axes[vertex, 1], axes[vertex, 2]
-    along = a * u + b * v + c * w
-    across = (
-        a * (normal[1] * w - normal[2] * v)
-        + b * (normal[2] * u - normal[0] * w)
-        + c * (normal[0] * v - normal[1] * u)
-    )
+    along = a * axis[0] + b * axis[1] + c * axis[2]
+    across = a * beside[0] + b * beside[1] + c * beside[2]
     flattened = math.sqrt(along * along + across * across)
     scale = math.sqrt(a * a + b * b + c * c) / flattened if flattened > 0.0 else 0.0
-    return flat[vertex, 0] + scale * along, flat[vertex, 1] + scale * across
+    return scale * along, scale * across
 
 
-@compiled()
-def _carry(normal, normal_there, axes, vertex, other):
-    """The axis of a vertex carried to its neighbor by the least rotation between the normals."""
-    turn = np.cross(normal, normal_there)
-    cosine = (normal * normal_there).sum()
-    axis = axes[vertex]
+@compiled(inline="always")
+def _row(array, row):
+    return array[row, 0], array[row, 1], array[row, 2]
+
+
+# of numbers: numpy's own products make an array each time, which takes longer than they do
+@compiled(inline="always")
+def _cross(first, second):
+    return (
+        first[1] * second[2] - first[2] * second[1],
+        first[2] * second[0] - first[0] * second[2],
+        first[0] * second[1] - first[1] * second[0],
+    )
+
+
+@compiled(inline="always")
+def _dot(first, second):
+    return first[0] * second[0] + first[1] * second[1] + first[2] * second[2]
+
+
+@compiled(inline="always")
+def _carried(normal, normal_there, axis):
+    """An axis carried to a neighbor by the least rotation between the normals."""
+    turn = _cross(normal, normal_there)
+    cosine = _dot(normal, normal_there)
     # opposite normals have no least rotation; their axis is left where it is, nearly
-    share = (turn * axis).sum() / max(1.0 + cosine, 0.1)
-    carried = axis * cosine + np.cross(turn, axis) + turn * share
-    length = math.sqrt((carried * carried).sum())
-    axes[other] = carried / length if length > 0.0 else axis
+    share = _dot(turn, axis) / max(1.0 + cosine, 0.1)
+    beside = _cross(turn, axis)
+    x = axis[0] * cosine + beside[0] + turn[0] * share
+    y = axis[1] * cosine + beside[1] + turn[1] * share
+    z = axis[2] * cosine + beside[2] + turn[2] * share
+    length = math.sqrt(x * x + y * y + z * z)
+    return (x / length, y / length, z / length) if length > 0.0 else axis
 
 
-@compiled()
+@compiled(inline="always")
 def _vote(row, vertex, flat, width, pictures, weights, means, seen):
     rings, sectors = seen.shape[1], seen.shape[2]
     x, y = flat[vertex, 0], flat[vertex, 1]
     ring = math.sqrt(x * x + y * y) / width - 0.5
-    sector = (math.atan2(y, x) / (2.0 * math.pi) % 1.0) * sectors
+    turn = math.atan2(y, x) / (2.0 * math.pi)
+    sector = (turn + 1.0 if turn < 0.0 else turn) * sectors
     first_ring, first_sector = math.floor(ring), math.floor(sector)
     for next_ring in range(2):
         at = first_ring + next_ring
