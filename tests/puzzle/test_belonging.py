@@ -31,6 +31,10 @@ def test_a_leg_whose_twin_a_body_has_is_a_part_of_it(body: Body) -> None:
     assert chance_as_a_part(body, limb("left_front_hoof")) > LIKELY
 
 
+def test_so_is_what_the_body_has(body: Body) -> None:
+    assert chance_as_a_part(body, limb("tail_tip")) > LIKELY
+
+
 def test_what_is_of_another_kind_is_none(body: Body, bottle: TriangleMesh) -> None:
     assert chance_as_a_part(body, bottle) < LIKELY
 
