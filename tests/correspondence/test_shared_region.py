@@ -10,7 +10,12 @@ import pytest
 from sherd.correspondence.labels.labeling import SAME_SCALE
 from sherd.correspondence.question import Question
 from sherd.correspondence.registration import Deformation
-from sherd.correspondence.shared.region_cut import INSIDE, WIDTH, shared_region
+from sherd.correspondence.shared.region_cut import (
+    INSIDE,
+    WIDTH,
+    mutual_components,
+    shared_region,
+)
 from sherd.correspondence.shared.round_trip import on_border, round_trip
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
@@ -57,6 +62,17 @@ def test_a_shred_narrower_than_the_width_goes_with_its_surroundings() -> None:
     assert found[wide].all()
     assert found.mean() == pytest.approx(wide.mean(), abs=0.05)
     assert not shared_region(mesh, np.full(len(x), 2.0), ends).any()
+
+
+def test_a_component_that_the_other_shape_does_not_share_is_not_shared() -> None:
+    mesh = flat(21)
+    x, y = mesh.vertices[:, 0], mesh.vertices[:, 1]
+    left, right = x < 0.35, x > 0.65
+    # of the left one three fifths is mutual, of the right one two fifths
+    mutual = np.where(left, y < 0.6, y < 0.4).astype(float)
+    np.testing.assert_array_equal(mutual_components(mesh, left | right, mutual), left)
+    assert not mutual_components(mesh, left, np.zeros(len(x))).any()
+    assert mutual_components(mesh, left | right, np.ones(len(x))).sum() == (left | right).sum()
 
 
 def test_a_region_goes_farther_where_the_other_shape_goes_on() -> None:

@@ -14,6 +14,9 @@ from sherd.spectral.heap_kernel import lower, pop
 
 __all__ = ["polar_means"]
 
+# Along the edges of even triangles a way is up to so many times as long as across them.
+STRAY = 2.0 / math.sqrt(3.0)
+
 
 @compiled()
 def polar_means(  # noqa: PLR0913
@@ -23,14 +26,15 @@ def polar_means(  # noqa: PLR0913
     """Write the means (q, c, r, t) of pictures (c, n) and the areas (q, r, t) they are from.
 
     Of rings `width` wide around each source and `t` sectors, counted from its `x_axes`. A vertex
-    weighs `weights` (n,) and is shared by the four cells nearest to it.
+    weighs `weights` (n,) and is shared by the four cells nearest to it. What is laid flat there but
+    farther away along the edges is no part of the neighborhood.
     """
     size = len(vertices)
     away, place = np.full(size, np.inf), np.full(size, -1, np.int64)
     heap, reached = np.empty(size, np.int64), np.empty(size, np.int64)
     flat, axes = np.empty((size, 2)), np.empty((size, 3))
     done, before = np.zeros(size, np.uint8), np.empty(size, np.int64)
-    reach = (seen.shape[1] + 0.5) * width
+    reach = STRAY * (seen.shape[1] + 0.5) * width
     for row in range(rows[0], rows[1]):
         source = sources[row]
         away[source], flat[source, 0], flat[source, 1] = 0.0, 0.0, 0.0
@@ -60,15 +64,13 @@ def polar_means(  # noqa: PLR0913
                 if done[other] == 1:
                     continue
                 x, y = _laid_flat(vertices, vertex, other, axis, beside)
-                x, y = flat[vertex, 0] + x, flat[vertex, 1] + y
-                # where paths turn back the order in which vertices are reached is kept
-                distance = max(math.sqrt(x * x + y * y), near)
+                distance = near + math.sqrt(x * x + y * y)
                 if distance < away[other]:
                     if away[other] == np.inf:
                         reached[count] = other
                         count += 1
-                    away[other], flat[other, 0], flat[other, 1] = distance, x, y
-                    before[other] = vertex
+                    away[other], before[other] = distance, vertex
+                    flat[other, 0], flat[other, 1] = flat[vertex, 0] + x, flat[vertex, 1] + y
                     filled = lower(heap, place, away, other, filled)
         for entry in range(count):
             vertex = reached[entry]

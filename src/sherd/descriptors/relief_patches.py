@@ -13,10 +13,10 @@ ranks, as a nose or a hoof has more relief than all the rest.
 References
 ----------
 Schmidt, Grimm, Wyvill, *Interactive decal compositing with discrete exponential maps*, 2006: the
-coordinates of a vertex are those of the neighbor it is reached from and the edge between them, laid
-flat in the tangent plane there. Deviation: of several neighbors the one counts that leads there by
-the shortest straight line. Padfield, *Masked object registration in the Fourier domain*, 2012,
-section 2: correlation of what both masks show, which is computed here shift by shift.
+coordinates of a vertex are those of the neighbor it is reached from, by the shortest way along
+edges, and the edge between them, laid flat in the tangent plane there. Padfield, *Masked object
+registration in the Fourier domain*, 2012, section 2: correlation of what both masks show, which is
+computed here shift by shift.
 """
 
 from __future__ import annotations
@@ -48,7 +48,9 @@ __all__ = [
 # in a hundred more than by one width of 0.018, 0.02 or 0.025, and by three widths for no more.
 WIDTHS = (0.014, 0.03)
 # The patch reaches as far as the largest neighborhood of SHOT, in rings of the size of a bump. With
-# 0.07 and 0.16 fewer right labels came first, with 0.12 as many.
+# 0.14 the right label came first for more nodes of a man's and a horse's pieces (0.39 and 0.26
+# instead of 0.35 and 0.24), but of wrong places more are more alike than mirrored, too: the chance
+# to tell a right answer from a wrong one by that (58 each, six puzzles) was 0.93 instead of 0.96.
 RADIUS, RINGS = 0.10, 5
 # As many as rotations that labels are told apart by.
 SHIFTS = 16

@@ -18,11 +18,19 @@ from collections.abc import Sequence
 import numpy as np
 
 from sherd.arrays import Bools, Floats
+from sherd.mesh.gluing import components
 from sherd.mesh.minimum_cut import minimum_cut
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.spectral.operators import stiffness
 
-__all__ = ["INSIDE", "WIDTH", "seam_lengths", "shared_region", "shared_regions"]
+__all__ = [
+    "INSIDE",
+    "WIDTH",
+    "mutual_components",
+    "seam_lengths",
+    "shared_region",
+    "shared_regions",
+]
 
 # Half the smallest neighborhood that is compared: what is narrower than twice that, and no better
 # than its price, goes with its surroundings.
@@ -30,6 +38,8 @@ WIDTH = 0.02
 # As an edge of the labeling from inside the other shape to nowhere: it says "wrong", and that costs
 # at most four times what one sigma does.
 INSIDE = 4.0
+# Of a component that both shapes mean most lies where the other one has what is shared.
+MOST = 0.5
 
 
 def shared_regions(mesh: TriangleMesh, costs: Sequence[Floats], goes_on: Bools) -> list[Bools]:
@@ -48,6 +58,18 @@ def shared_regions(mesh: TriangleMesh, costs: Sequence[Floats], goes_on: Bools) 
 def shared_region(mesh: TriangleMesh, cost: Floats, goes_on: Bools) -> Bools:
     """:func:`shared_regions` of one cost."""
     return shared_regions(mesh, [cost], goes_on)[0]
+
+
+def mutual_components(mesh: TriangleMesh, shared: Bools, mutual: Floats) -> Bools:
+    """What is shared (n,) without components most of which the other shape does not share.
+
+    `mutual` (n,) is in [0, 1], how much of what lies around the place of a vertex is shared.
+    """
+    first, second = mesh.edges[shared[mesh.edges].all(axis=1)].T
+    labels = components(first, second, mesh.vertex_count)
+    meant = np.bincount(labels, mesh.vertex_areas * shared * (mutual - MOST))
+    kept: Bools = shared & (meant[labels] > 0.0)
+    return kept
 
 
 def seam_lengths(mesh: TriangleMesh) -> Floats:

@@ -9,6 +9,7 @@ import numpy as np
 from sherd.arrays import Bools, Floats, Ints
 from sherd.correspondence.registration import surface_points
 from sherd.correspondence.shared.judgment import shared_confidence
+from sherd.correspondence.shared.region_cut import mutual_components
 from sherd.correspondence.shared.two_way_placement import CLOSED
 from sherd.mesh.surface_points import closest_points
 from sherd.mesh.topology import renumbered
@@ -69,11 +70,15 @@ def _image(join: Join, side: int, full: Union) -> tuple[Ints, Floats, Floats]:
     The piece is -1 where nothing is shared, or there and back do not meet.
     """
     question, place = join.met.questions[side], join.met.placements[side]
+    other = join.met.placements[1 - side]
     at_own = question.part.working.at_own_vertices
     points = surface_points(question, question.full.own_finder, place.deformation)
     trust = at_own(shared_confidence(question.part.mesh, join.met.queries[side], place))
+    # a limb that goes on beyond the other union may touch that elsewhere, where nothing of it lies
+    mutual = place.trip.points.interpolate(question.full.mesh, other.shared.astype(np.float64))
+    shared = mutual_components(question.part.mesh, place.shared, mutual)
     # along a cut the region takes in what does not come back, whose point is anywhere near
-    meets = place.shared & (place.trip.gap <= CLOSED)
+    meets = shared & (place.trip.gap <= CLOSED)
     known = at_own(meets.astype(np.float64)) >= HALF
     corners = full.mesh.faces[points.faces]
     owners = full.owner[corners]
