@@ -43,7 +43,8 @@ def _with_found(groups: Sequence[Union], asking: Asking, growth: Growth) -> list
     are asked with what was said.
 
     While groups grow the skin alone is not believed where few places lead, as of other people few
-    do. That refuses right answers as well, and of 300 at last no wrong one more (docs/method.md).
+    do. That refuses right answers as well, and of 300 at last no wrong one more
+    (docs/method/without-a-whole.md).
     """
     growth.likely += growth.by_skin
     growth.by_skin = []
