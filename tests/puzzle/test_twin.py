@@ -101,12 +101,38 @@ def test_not_where_it_is_farther_from_the_rest_than_its_twin_is(monkeypatch) -> 
     assert beside_their_twins([limb], lambda: met(TWIN, 0.9, 0.94)).chance == 0.01
 
 
-def test_only_what_was_laid_first_leads_and_ends_with_a_piece_is_believed_so(monkeypatch) -> None:
-    limb = met(HOLE, 0.01, 0.0, leads=True)
-    few = met(HOLE, 0.01, 0.0)
-    assert beside_their_twins([few, limb], never).chance == 0.01
+def test_only_what_leads_and_ends_with_a_piece_is_believed_so(monkeypatch) -> None:
+    limb, few = met(HOLE, 0.01, 0.0, leads=True), met(HOLE, 0.01, 0.0)
+    assert beside_their_twins([few], never).chance == 0.01
     monkeypatch.setattr(module, "ends_with_one", lambda *_: 0.1)
     assert beside_their_twins([limb], never).chance == 0.01
+
+
+def test_of_several_it_is_the_one_that_is_as_far_from_the_rest_as_its_twin(monkeypatch) -> None:
+    """A limb saves more at another limb's place, which is at another place of the body."""
+    wrong, limb = met(HOLE, 0.01, 0.0, leads=True), met(HOLE, 0.01, 0.0, leads=True)
+    off = {id(wrong.placements): 0.043, id(limb.placements): 0.011}
+    monkeypatch.setattr(module, "_off_by_distances", lambda each, _: off[id(each.placements)])
+    found = beside_their_twins([wrong, limb], lambda: met(TWIN, 0.01, 0.94))
+    assert found.placements is limb.placements
+    assert beside_their_twins([wrong], lambda: met(TWIN, 0.01, 0.94)).chance == 0.01
+
+
+def test_what_fits_is_not_believed_at_another_limbs_place(monkeypatch) -> None:
+    monkeypatch.setattr(module, "_off_by_distances", lambda *_: 0.065)
+    assert beside_their_twins([met(HOLE, 0.01, 0.9)], lambda: met(TWIN, 0.9, 0.9)).chance == 0.01
+
+
+def test_a_piece_that_reaches_over_the_middle_shares_that_with_its_twin(monkeypatch) -> None:
+    """Half of a place in common is beside the other one, three quarters are on it."""
+    image = met(np.arange(10) >= 4, 0.9, 0.9)
+    # the image lies within as it reaches the last vertex; the others do not
+    half, most = (
+        met((np.arange(10) > 1) & (np.arange(10) < 6), 0.1, 0.9),
+        met((np.arange(10) > 2) & (np.arange(10) < 9), 0.1, 0.9),
+    )
+    assert beside_their_twins([half], lambda: image).chance >= SURE
+    assert beside_their_twins([most], lambda: image).chance == 0.1
 
 
 @pytest.mark.parametrize(
