@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 from scipy.stats import wasserstein_distance
@@ -82,6 +83,7 @@ def beside_their_twins(
     if twin.by_skin < JOINED or not lies_within(twin.questions, twin.placements):
         return best
 
+    @cache
     def off(answer: Meeting) -> float:
         apart = _common(answer, twin) < COMMON
         return _off_by_distances(answer, twin) if apart else math.inf
