@@ -76,7 +76,11 @@ def beside_their_twins(
         return best
     beside = [each for each in answers if not lies_within(each.questions, each.placements)]
     fitting = [each for each in beside if _raised(each.fitting) >= JOINED]
-    ending = [each for each in beside if each.leads and _ending(each) >= JOINED]
+    ending = {
+        each: surely
+        for each in beside
+        if each.leads and (surely := ends_with_one(each.questions, each.placements)) >= JOINED
+    }
     if not fitting and not ending:
         return best
     twin = asked_mirrored()
@@ -91,15 +95,10 @@ def beside_their_twins(
     sure = [(each, _raised(each.fitting)) for each in fitting if off(each) < AS_FAR_AND_FITTING]
     nearest = min(ending, key=off, default=None)
     if nearest is not None and off(nearest) < AS_FAR:
-        sure.append((nearest, _ending(nearest) * twin.by_skin))
+        sure.append((nearest, ending[nearest] * twin.by_skin))
     return max(
         [best, *(replace(each, chance=chance, twin=False) for each, chance in sure)], key=ground_of
     )
-
-
-def _ending(answer: Meeting) -> float:
-    """How surely what is shared ends where one of both pieces does."""
-    return ends_with_one(answer.questions, answer.placements)
 
 
 def _raised(chance: float) -> float:
