@@ -11,7 +11,7 @@ import pytest
 
 from sherd.arrays import Bools, Ints
 from sherd.mesh.triangle_mesh import TriangleMesh
-from sherd.puzzle.growing import asking, completion, growth, record
+from sherd.puzzle.growing import asking, belonging, completion, growth, record
 from sherd.puzzle.growing.asking import Asking
 from sherd.puzzle.growing.growth import grown
 from sherd.puzzle.growing.union import Join, Union
@@ -70,7 +70,9 @@ def _joined_without_geometry(monkeypatch: pytest.MonkeyPatch) -> None:
     for room in (asking, completion):
         monkeypatch.setattr(room, "recalled", lambda join, first, second: np.array([[7, 7]]))
         leave_out(monkeypatch, room, lambda before, join: 0.0)
-    monkeypatch.setattr(completion, "_lies_within", lambda join: False)
+    monkeypatch.setattr(completion, "is_within", lambda join: False)
+    # nobody belongs by what is half likely, but where that is asked
+    monkeypatch.setattr(belonging, "is_within", lambda join: True)
     monkeypatch.setattr(completion, "laid_as_before", lambda *_: None)
     for room in (growth, asking, record):
         monkeypatch.setattr(room, "taken_by", lambda join, union: np.array([True]))
@@ -336,7 +338,7 @@ def test_what_is_likely_is_joined_at_last_if_the_group_lies_there(
     left, within, joined, monkeypatch
 ) -> None:
     leave_out(monkeypatch, completion, lambda before, join: left)
-    monkeypatch.setattr(completion, "_lies_within", lambda join: within)
+    monkeypatch.setattr(completion, "is_within", lambda join: within)
     found = grown(pieces(3), np.ones((3, 3)), ways(likely))
     assert max(map(len, found.groups)) == joined
     assert [join.met.chance for join in found.last] == [0.6] * (joined - 2)
@@ -553,6 +555,48 @@ def test_what_looks_like_a_part_of_the_largest_group_belongs_to_it(chance, unpla
     assert found.unplaced == [2, *unplaced]
     # who fills a gap belongs already
     assert asked == [((0, 1), (3,))]
+
+
+@pytest.mark.parametrize(("chance", "unplaced"), [(0.39, []), (0.41, [2])])
+def test_what_is_half_likely_somewhere_belongs_without_a_place(
+    chance, unplaced, monkeypatch
+) -> None:
+    def meet(first: Union, second: Union, known: Ints, taken: Bools | None) -> Any:
+        if second.members == (1,):
+            return answer(0.95)
+        return answer(0.1, by_skin=chance if (first.members, second.members) == ((0,), (2,)) else 0)
+
+    monkeypatch.setattr(belonging, "is_within", lambda join: False)
+    found = grown(pieces(4), np.ones((4, 4)), ways(meet))
+    assert found.unplaced == unplaced
+    assert [3] in map(list, found.groups)
+
+
+def test_so_does_what_is_half_likely_on_who_belongs_so(monkeypatch) -> None:
+    def meet(first: Union, second: Union, known: Ints, taken: Bools | None) -> Any:
+        pair = (first.members, second.members)
+        return answer({((0,), (1,)): 0.95, ((0,), (3,)): 0.45, ((2,), (3,)): 0.45}.get(pair, 0.1))
+
+    monkeypatch.setattr(belonging, "is_within", lambda join: False)
+    found = grown(pieces(5), np.ones((5, 5)), ways(meet))
+    assert found.unplaced == [3, 2]
+    assert sorted(map(sorted, found.groups)) == [[0, 1, 2, 3], [4]]
+
+
+def test_what_lies_within_or_is_a_group_of_its_own_does_not(monkeypatch) -> None:
+    def within(first: Union, second: Union, known: Ints, taken: Bools | None) -> Any:
+        return answer(0.95 if second.members == (1,) else 0.45)
+
+    assert not grown(pieces(3), np.ones((3, 3)), ways(within)).unplaced
+
+    def two_groups(first: Union, second: Union, known: Ints, taken: Bools | None) -> Any:
+        pair = {*first.members, *second.members}
+        return answer(0.95 if pair in ({0, 1}, {2, 3}) else 0.45)
+
+    monkeypatch.setattr(belonging, "is_within", lambda join: False)
+    found = grown(pieces(4), np.ones((4, 4)), ways(two_groups))
+    assert sorted(map(sorted, found.groups)) == [[0, 1], [2, 3]]
+    assert not found.unplaced
 
 
 def test_nothing_is_a_part_of_a_single_piece() -> None:

@@ -1,8 +1,8 @@
 """Who belongs to the largest group, though where it lies there is not likely enough to be told.
 
 That is easier to see than a place: a limb on the place of its missing twin, or slid along its own,
-lies wrongly and belongs. What is of another kind fills no gap of the group, and looks like no part
-of it, nor does its mirror image.
+lies wrongly and belongs. What is of another kind fills no gap of the group, looks like no part of
+it, nor does its mirror image, and nothing that is said of its place is half likely.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ from collections.abc import Sequence
 
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.puzzle.growing.asking import Asking
+from sherd.puzzle.growing.common_places import is_within
 from sherd.puzzle.growing.record import Growth, undisputed
 from sherd.puzzle.growing.union import Union
 from sherd.puzzle.pairwise.answer import LIKELY
@@ -24,15 +25,44 @@ __all__ = ["belonging", "chance_as_a_part"]
 def belonging(
     largest: Union, others: Sequence[Union], asking: Asking, growth: Growth
 ) -> list[Union]:
-    """Who fills a gap of the largest group, or is more likely than not a part of it or of its twin.
+    """Who fills a gap of the largest group, or may lie there or on who belongs so, or is its part.
 
-    Of a single piece all that is missing is a gap, and it is no whole, so it tells nothing.
+    That is, is more likely than not a part of it or of its twin. Of a single piece all that is
+    missing is a gap, and it is no whole, so it tells nothing.
     """
     if len(largest.members) == 1:
         return []
-    filling = _filling_a_gap(largest, others, growth)
+    found = _filling_a_gap(largest, others, growth)
+    found += [
+        other
+        for other in others
+        if other not in found and asking.as_a_part(largest, other) >= LIKELY
+    ]
+    while more := _half_likely(largest, found, others, growth):
+        found += more
+    return found
+
+
+def _half_likely(
+    largest: Union, belonging: Sequence[Union], others: Sequence[Union], growth: Growth
+) -> list[Union]:
+    """The pieces that may lie on the largest group, or on who belongs to it, in any place.
+
+    But what lies within may as well be a part of another body of the same kind, and so may a group
+    of its own that has no sure place there.
+    """
+    body = {member for union in (largest, *belonging) for member in union.members}
+    likely = [
+        {*each.first.members, *each.second.members}
+        for each in growth.half_likely
+        if not is_within(each)
+    ]
     return [
-        other for other in others if other in filling or asking.as_a_part(largest, other) >= LIKELY
+        other
+        for other in others
+        if other not in belonging
+        and len(other.members) == 1
+        and any(set(other.members) < both <= {*other.members, *body} for both in likely)
     ]
 
 

@@ -7,9 +7,18 @@ from scipy.spatial import cKDTree
 
 from sherd.arrays import Bools, Floats, Ints
 from sherd.puzzle.growing.union import LAYER, Join, Union, origins
+from sherd.puzzle.pairwise.join_chance import lies_within
 from sherd.spectral.sampling import farthest_point_sample_euclidean
 
-__all__ = ["crowding", "laid_alike", "left_out", "nearest_places", "recalled", "taken_by"]
+__all__ = [
+    "crowding",
+    "is_within",
+    "laid_alike",
+    "left_out",
+    "nearest_places",
+    "recalled",
+    "taken_by",
+]
 
 # So many places fix a placement on a surface, also if one of them is gone.
 RECALLED = 4
@@ -29,6 +38,11 @@ def crowding(one: Join, other: Join) -> float:
         near = tree.query(places[owners == piece], distance_upper_bound=reach)[0]
         common += int(np.isfinite(near).sum())
     return common / max(min(len(owners), len(others)), 1)
+
+
+def is_within(join: Join) -> bool:
+    """Whether one lies within the other, which adds nothing and has no border there to tell by."""
+    return lies_within(join.met.questions, join.met.placements)
 
 
 def taken_by(join: Join, union: Union) -> Bools:

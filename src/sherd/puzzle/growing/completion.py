@@ -13,7 +13,7 @@ from dataclasses import replace
 
 from sherd.correspondence.confidence import LEAST
 from sherd.puzzle.growing.asking import Asking
-from sherd.puzzle.growing.common_places import crowding, left_out, recalled
+from sherd.puzzle.growing.common_places import crowding, is_within, left_out, recalled
 from sherd.puzzle.growing.members import laid_as_before
 from sherd.puzzle.growing.record import (
     CROWD,
@@ -25,7 +25,7 @@ from sherd.puzzle.growing.record import (
 )
 from sherd.puzzle.growing.union import Join, Union, larger_first, largest_first, united
 from sherd.puzzle.pairwise.answer import JOINED, LIKELY
-from sherd.puzzle.pairwise.join_chance import fills_a_gap, lies_within
+from sherd.puzzle.pairwise.join_chance import fills_a_gap
 
 __all__ = ["with_likely", "with_twins"]
 
@@ -74,10 +74,10 @@ def _with_what_lies(
     for before in sorted(answers, key=chance_of, reverse=True):
         first, second = larger_first(_with(found, before.first), _with(found, before.second))
         # what is cheap to know is looked at before groups are asked again
-        if first is second or _lies_within(before):
+        if first is second or is_within(before):
             continue
         join = lying(before, first, second, asking, growth)
-        if join is None or _lies_within(join) or _contradicted(join, before, found, growth):
+        if join is None or is_within(join) or _contradicted(join, before, found, growth):
             continue
         found = _joined(found, join, growth)
     return found
@@ -171,11 +171,6 @@ def _of_these(join: Join, first: Union, second: Union) -> bool:
 def _fills_a_gap(join: Join) -> bool:
     """Whether each goes on all around where the other one ends."""
     return fills_a_gap(join.met.questions, join.met.placements)
-
-
-def _lies_within(join: Join) -> bool:
-    """Whether one lies within the other, which adds nothing and has no border there to tell by."""
-    return lies_within(join.met.questions, join.met.placements)
 
 
 def _chance_beside(before: Join, growth: Growth) -> float:

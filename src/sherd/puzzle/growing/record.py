@@ -9,7 +9,7 @@ from itertools import combinations
 from sherd.arrays import Bools
 from sherd.puzzle.growing.common_places import crowding, taken_by
 from sherd.puzzle.growing.union import Join, Union
-from sherd.puzzle.pairwise.answer import Ground, ground_of
+from sherd.puzzle.pairwise.answer import HALF_LIKELY, Ground, ground_of
 
 __all__ = [
     "CROWD",
@@ -63,6 +63,8 @@ class Growth:
         What was, by the skin that is shared alone, with that chance.
     filling
         What is by the skin alone if it fills a gap of what is joined at last, with that chance.
+    half_likely
+        What was half likely at least, by all or by the skin.
     in_gaps
         What fills a gap of one of two unions, however likely it lies there, in the order asked.
     groups
@@ -97,6 +99,7 @@ class Growth:
     likely: list[Join] = field(default_factory=list)
     by_skin: list[Join] = field(default_factory=list)
     filling: list[Join] = field(default_factory=list)
+    half_likely: list[Join] = field(default_factory=list)
     in_gaps: list[Join] = field(default_factory=list)
     groups: list[tuple[int, ...]] = field(default_factory=list)
     unplaced: list[int] = field(default_factory=list)
@@ -145,7 +148,12 @@ class Growth:
         return taken
 
     def keep_in_mind(self, join: Join) -> None:
-        """Note what is likely, by its ground; it may be joined when nothing is sure any more."""
+        """Note what is likely, by its ground; it may be joined when nothing is sure any more.
+
+        And what is half likely, by which somebody may belong.
+        """
+        if max(join.met.chance, join.met.by_skin) >= HALF_LIKELY:
+            self.half_likely.append(join)
         ground, chance = ground_of(join.met)
         if ground == Ground.ALL:
             self.likely.append(join)
@@ -162,6 +170,7 @@ class Growth:
 
     def forget(self, join: Join) -> None:
         """Forget that what was said of two unions was likely."""
+        self.half_likely = [each for each in self.half_likely if not _same(each, join)]
         self._forget_likely(lambda each: _same(each, join))
 
     def _forget_likely(self, gone: Callable[[Join], bool]) -> None:
