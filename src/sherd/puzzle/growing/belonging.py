@@ -25,10 +25,11 @@ __all__ = ["belonging", "chance_as_a_part"]
 def belonging(
     largest: Union, others: Sequence[Union], asking: Asking, growth: Growth
 ) -> list[Union]:
-    """Who fills a gap of the largest group, or may lie there or on who belongs so, or is its part.
+    """Those of the others that belong to the largest group.
 
-    That is, is more likely than not a part of it or of its twin. Of a single piece all that is
-    missing is a gap, and it is no whole, so it tells nothing.
+    They fill a gap of it, or are more likely than not a part of it or of its twin; or a place on
+    it, or on who belongs to it so, is half likely. Of a single piece all that is missing is a gap,
+    and it is no whole, so it tells nothing.
     """
     if len(largest.members) == 1:
         return []
