@@ -7,13 +7,13 @@ it, nor does its mirror image, and nothing that is said of its place is half lik
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Sequence, Set
 
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.puzzle.growing.asking import Asking
 from sherd.puzzle.growing.common_places import is_within
 from sherd.puzzle.growing.record import Growth, undisputed
-from sherd.puzzle.growing.union import Union
+from sherd.puzzle.growing.union import Join, Union
 from sherd.puzzle.pairwise.answer import LIKELY
 from sherd.puzzle.pairwise.body import Body
 from sherd.surface.transformed import mirrored_mesh
@@ -34,37 +34,45 @@ def belonging(
     if len(largest.members) == 1:
         return []
     found = _filling_a_gap(largest, others, growth)
+    found = _with_half_likely(largest, found, others, growth)
+    # a match takes seconds, so who belongs already is not asked
     found += [
         other
         for other in others
         if other not in found and asking.as_a_part(largest, other) >= LIKELY
     ]
-    while more := _half_likely(largest, found, others, growth):
-        found += more
-    return found
+    return _with_half_likely(largest, found, others, growth)
 
 
-def _half_likely(
+def _with_half_likely(
     largest: Union, belonging: Sequence[Union], others: Sequence[Union], growth: Growth
 ) -> list[Union]:
-    """The pieces that may lie on the largest group, or on who belongs to it, in any place.
+    """Who belongs, and the pieces that may lie on the largest group or on them, in any place.
 
     But what lies within may as well be a part of another body of the same kind, and so may a group
     of its own that has no sure place there.
     """
-    body = {member for union in (largest, *belonging) for member in union.members}
-    likely = [
-        {*each.first.members, *each.second.members}
-        for each in growth.half_likely
-        if not is_within(each)
-    ]
-    return [
-        other
-        for other in others
-        if other not in belonging
-        and len(other.members) == 1
-        and any(set(other.members) < both <= {*other.members, *body} for both in likely)
-    ]
+    found = list(belonging)
+    while True:
+        body = {member for union in (largest, *found) for member in union.members}
+        more = [
+            other
+            for other in others
+            if other not in found
+            and len(other.members) == 1
+            and any(
+                _is_about(each, body, other) and not is_within(each) for each in growth.half_likely
+            )
+        ]
+        if not more:
+            return found
+        found += more
+
+
+def _is_about(join: Join, members: Set[int], other: Union) -> bool:
+    """Whether an answer is about a union and some of these members, which are not its own."""
+    sides = set(join.members)
+    return set(other.members) < sides <= {*members, *other.members}
 
 
 def _filling_a_gap(largest: Union, others: Sequence[Union], growth: Growth) -> list[Union]:
