@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -19,6 +18,7 @@ from sherd.puzzle.growing.asking import Asking
 from sherd.puzzle.growing.poses import ask_in_poses, in_pose_of
 from sherd.puzzle.growing.record import Growth
 from sherd.puzzle.growing.union import Join, Union, united
+from sherd.puzzle.pairwise.answer import Meeting
 from sherd.shapes import creature
 from sherd.shapes.fragment import Fragment
 from sherd.surface.described import DescribedSurface
@@ -95,8 +95,8 @@ def test_a_member_of_which_nothing_is_left_gives_no_pose(joined, union) -> None:
 
 
 def not_asked(*_: Any) -> Any:
-    """Neither in full, as `Asked` answers that, nor as told, nor across."""
-    pytest.fail("only glances are asked for here")
+    """Neither as told nor across."""
+    pytest.fail("only what both share is asked for here")
 
 
 @dataclass
@@ -123,13 +123,18 @@ class Asked:
 
     def asked(self, first: Union, second: Union, meet: Any, growth: Growth) -> Join:
         self.in_full.append((first.members[0], second.members[0]))
-        return Join(first, second, self.answer(second))
+        return Join(first, second, meet(first, second, None, None))
+
+    def meet(self, first: Union, second: Union, known: Any, taken: Any) -> Any:
+        return self.answer(second)
 
     def answer(self, second: Union) -> Any:
-        return SimpleNamespace(chance=self.chances[second.members[0]], by_skin=0.0, filling=0.0)
+        nothing: Any = None
+        chance = self.chances[second.members[0]]
+        return Meeting(nothing, nothing, nothing, 1.0, chance, False, by_skin=chance)
 
     def of(self, union: Union, others: list[Union], evidence: Floats, growth: Growth) -> bool:
-        ways = Asking(not_asked, self.glance, not_asked, not_asked, not_asked)
+        ways = Asking(self.meet, self.glance, not_asked, not_asked, not_asked)
         return ask_in_poses([union, *others], evidence, ways, growth)
 
 
@@ -146,15 +151,29 @@ def test_what_looks_likely_at_a_glance_is_asked_and_nobody_twice(joined, asked) 
     pieces = [Union.of_piece(joined.pieces[0].mesh, number) for number in range(4)]
     small = [replace(each, mesh=joined.pieces[1].mesh) for each in pieces]
     growth, evidence = Growth(pieces, pieces[0]), np.ones((4, 4))
-    asked.chances = {2: 0.1, 3: 0.6}
+    asked.chances = {2: 0.1, 3: 0.9}
     here = replace(pieces[0], members=(0, 1))
     assert asked.of(here, small[2:], evidence, growth)
     assert asked.glances == [(1, 2), (1, 3)]
     assert asked.in_full == [(1, 3)]
-    assert growth.chances == {((1, 0), (3,)): 0.6}
+    # the odds of nine to one are those of two poses
+    assert growth.chances == {((1, 0), (3,)): pytest.approx(4.5 / 5.5)}
     # a group that has grown is asked in the pose of who is new
     assert not asked.of(replace(here, members=(0, 1, 3)), small[2:3], evidence, growth)
     assert asked.glances[2:] == [(3, 2)]
+
+
+def test_what_is_likely_in_one_of_many_poses_only_is_not(joined, asked) -> None:
+    pieces = [Union.of_piece(joined.pieces[0].mesh, number) for number in range(5)]
+    last = replace(pieces[-1], mesh=joined.pieces[1].mesh)
+    asked.chances = {4: 0.7}
+    growth = Growth(pieces, pieces[0])
+    # in each pose it is as likely, so it is asked in all of them, and the group's own is the fourth
+    here = replace(pieces[0], members=(0, 1, 2, 3))
+    assert not asked.of(here, [last], np.ones((5, 5)), growth)
+    assert sorted(asked.in_full) == [(1, 4), (2, 4), (3, 4)]
+    odds = 0.7 / 0.3 / 4
+    assert growth.chances[(3, 0, 1, 2), (4,)] == pytest.approx(odds / (1 + odds))
 
 
 def test_poses_that_are_alike_are_asked_once(joined, asked) -> None:

@@ -79,6 +79,8 @@ class Growth:
         What was sure of these.
     posed
         A member of the largest group, and the members of who was asked of that in its pose.
+    poses
+        By the members of who was, the number of poses that differ, and the group's own.
     told
         By the members of two unions, what of this told them where they lie on each other.
     aside
@@ -107,6 +109,7 @@ class Growth:
     of_members: dict[tuple[tuple[int, ...], tuple[int, ...]], float] = field(default_factory=dict)
     sure_of_members: list[Join] = field(default_factory=list)
     posed: set[tuple[int, tuple[int, ...]]] = field(default_factory=set)
+    poses: dict[tuple[int, ...], int] = field(default_factory=dict)
     told: dict[tuple[tuple[int, ...], tuple[int, ...]], Join] = field(default_factory=dict)
     aside: dict[tuple[tuple[int, ...], tuple[int, ...]], Join] = field(default_factory=dict)
     together: list[set[tuple[int, ...]]] = field(default_factory=list)
