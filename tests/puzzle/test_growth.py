@@ -477,24 +477,6 @@ def test_strangers_to_the_largest_piece_are_joined_by_much_only(share, groups, m
     assert sorted(map(sorted, found.groups)) == groups
 
 
-@pytest.mark.parametrize(("left", "groups"), [(0.2, [[0, 1, 2]]), (0.8, [[0, 1], [2]])])
-def test_strangers_are_believed_when_the_largest_has_one_and_the_other_lies_there(
-    left, groups, monkeypatch
-) -> None:
-    def meet(first: Union, second: Union, known: Ints, taken: Bools | None) -> Any:
-        # the largest has 1 by what is likely only, and what it says of 2 is hardly a chance
-        of_both = {frozenset({0, 1}): 0.6, frozenset({1, 2}): 0.9}
-        return answer(of_both.get(frozenset((*first.members, *second.members)), 0.05))
-
-    some = pieces(3)
-    monkeypatch.setattr(asking, "common_area", lambda join: 0.04 * some[0].mesh.area)
-    leave_out(monkeypatch, asking, lambda before, join: left)
-    found = grown(some, np.ones((3, 3)), ways(meet))
-    assert sorted(map(sorted, found.groups)) == groups
-    # no surer than what it follows from
-    assert [join.met.chance for join in found.joins] == [0.6] * (len(groups[0]) - 1)
-
-
 def test_where_unions_find_nothing_their_members_are_asked(monkeypatch) -> None:
     # 2 belongs to 1, which 0 has joined, but 0 and 1 find nothing
     def meet(first: Union, second: Union, known: Ints, taken: Bools | None) -> Any:

@@ -80,12 +80,12 @@ def asked(first: Union, second: Union, meet: Meet, growth: Growth) -> Join:
 def unless_strangers(join: Join, growth: Growth) -> Join:
     """The same, but that tells nothing of two that share too little, and nothing with the largest.
 
-    What was kept in mind of it is put aside until one of them joins the largest, see `_answered`.
+    What was kept in mind of it is forgotten.
     """
     known = growth.largest.members[0] in (*join.first.members, *join.second.members)
     if known or common_area(join) >= BESIDE * growth.largest.mesh.area:
         return join
-    growth.put_aside(join)
+    growth.forget(join)
     return join.with_chance(LEAST)
 
 
@@ -101,8 +101,6 @@ def _answered(first: Union, second: Union, meet: Meet, growth: Growth) -> Join:
     it is kept from its twin's place from then on; a right place may look like a twin's, too. What
     lies where it surely lay before is likely to, see `_confirmed`; what is sure must not contradict
     what was likely, see `_uncontradicted`, and what is not is asked where that was, too.
-
-    What was put aside of parts is remembered if these lie there without having been told.
     """
     taken = growth.taken(first, second)
     join = Join(first, second, meet(first, second, NOTHING_KNOWN, taken))
@@ -114,9 +112,6 @@ def _answered(first: Union, second: Union, meet: Meet, growth: Growth) -> Join:
             growth.settle(join, second.members)
             taken = place
         join = max(join, elsewhere, key=_ground_of)
-    for each in growth.strangers_before(first, second):
-        if len(recalled(each, first, second)) and left_out(each, join) <= CROWD:
-            growth.remember(each)
     likely = growth.likely_before(first, second)
     contradicting = [each for each in likely if left_out(each, join) > CROWD]
     if join.met.chance >= JOINED:

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from itertools import combinations
 
 from sherd.arrays import Bools
 from sherd.puzzle.growing.common_places import crowding, taken_by
 from sherd.puzzle.growing.union import Join, Union
-from sherd.puzzle.pairwise.answer import HALF_LIKELY, JOINED, Ground, ground_of
+from sherd.puzzle.pairwise.answer import HALF_LIKELY, Ground, ground_of
 
 __all__ = [
     "CROWD",
@@ -57,8 +57,6 @@ class Growth:
         The members of both, of those that were asked whether they do.
     sure
         What could have been joined, too.
-    strangers
-        What was half likely of two that share too little to be believed, see `unless_strangers`.
     likely
         What was more likely right than not when it was asked.
     by_skin
@@ -100,7 +98,6 @@ class Growth:
     across: list[Join] = field(default_factory=list)
     asked_across: set[tuple[tuple[int, ...], tuple[int, ...]]] = field(default_factory=set)
     sure: list[Join] = field(default_factory=list)
-    strangers: list[Join] = field(default_factory=list)
     likely: list[Join] = field(default_factory=list)
     by_skin: list[Join] = field(default_factory=list)
     filling: list[Join] = field(default_factory=list)
@@ -158,7 +155,7 @@ class Growth:
 
         And what is half likely, by which somebody may belong.
         """
-        if _is_half_likely(join):
+        if max(join.met.chance, join.met.by_skin) >= HALF_LIKELY:
             self.half_likely.append(join)
         ground, chance = ground_of(join.met)
         if ground == Ground.ALL:
@@ -174,44 +171,15 @@ class Growth:
         self.sure = [each for each in self.sure if not laid_there(each, join, loser)]
         self._forget_likely(lambda each: laid_there(each, join, loser))
 
-    def put_aside(self, join: Join) -> None:
-        """Forget that what was said of two unions was likely, until one joins the largest piece."""
-        if _is_half_likely(join):
-            self.strangers.append(join)
+    def forget(self, join: Join) -> None:
+        """Forget that what was said of two unions was likely."""
         self.half_likely = [each for each in self.half_likely if not _same(each, join)]
         self._forget_likely(lambda each: _same(each, join))
-
-    def strangers_before(self, first: Union, second: Union) -> list[Join]:
-        """What was put aside of parts of both, if one of them has the largest piece by now."""
-        if self.largest.members[0] not in (*first.members, *second.members):
-            return []
-        return [each for each in self.strangers if _are_parts(_members(each), (first, second))]
-
-    def remember(self, stranger: Join) -> None:
-        """Keep in mind what was put aside; no surer than what was joined since nothing was sure."""
-        self.strangers = [each for each in self.strangers if each is not stranger]
-        met, most = stranger.met, min(map(chance_of, self.last), default=1.0)
-        join = replace(
-            stranger,
-            met=replace(
-                met,
-                chance=min(met.chance, most),
-                by_skin=min(met.by_skin, most),
-                filling=min(met.filling, most),
-            ),
-        )
-        if join.met.chance >= JOINED:
-            self.sure.append(join)
-        self.keep_in_mind(join)
 
     def _forget_likely(self, gone: Callable[[Join], bool]) -> None:
         self.likely = [each for each in self.likely if not gone(each)]
         self.by_skin = [each for each in self.by_skin if not gone(each)]
         self.filling = [each for each in self.filling if not gone(each)]
-
-
-def _is_half_likely(join: Join) -> bool:
-    return max(join.met.chance, join.met.by_skin) >= HALF_LIKELY
 
 
 def _same(one: Join, other: Join) -> bool:
