@@ -34,6 +34,7 @@ class Answer:
     by_skin: float = 0.0
     filling: float = 0.0
     in_gap: Answer | None = None
+    recognized: float = 0.0
 
 
 def no_twins(first: Union, second: Union) -> None:
@@ -581,6 +582,19 @@ def test_so_does_what_is_half_likely_on_who_belongs_so(monkeypatch) -> None:
     found = grown(pieces(5), np.ones((5, 5)), ways(meet))
     assert found.unplaced == [3, 2]
     assert sorted(map(sorted, found.groups)) == [[0, 1, 2, 3], [4]]
+
+
+@pytest.mark.parametrize(("share", "unplaced"), [(0.017, []), (0.018, [2])])
+def test_whose_skin_is_recognized_belongs_without_a_place(share, unplaced) -> None:
+    def meet(first: Union, second: Union, known: Ints, taken: Bools | None) -> Any:
+        if second.members == (1,):
+            return answer(0.95)
+        once = (first.members, second.members) == ((0,), (2,))
+        return Answer(0.1, recognized=share * pieces(1)[0].mesh.area if once else 0.0)
+
+    found = grown(pieces(4), np.ones((4, 4)), ways(meet))
+    assert found.unplaced == unplaced
+    assert [3] in map(list, found.groups)
 
 
 def test_what_lies_within_or_is_a_group_of_its_own_does_not(monkeypatch) -> None:

@@ -147,7 +147,7 @@ def test_what_fills_a_gap_may_be_right_and_is_alike_in_relief(monkeypatch) -> No
     monkeypatch.setattr(module, "likeness_of_both", lambda *_: None)
     monkeypatch.setattr(module, "join_features", lambda *_: np.zeros(8))
     monkeypatch.setattr(module, "may_lie_right", lambda _: True)
-    monkeypatch.setattr(module, "_slid", lambda met, _: met)
+    monkeypatch.setattr(PairQuestion, "_slid", lambda question, met, _: met)
     for case in ((True, True, True), (False, True, True), (True, False, True), (True, True, False)):
         may_be, alike, all_around = case
         said = SlidChance(0.0, 0.0, alike=alike)
@@ -156,3 +156,17 @@ def test_what_fills_a_gap_may_be_right_and_is_alike_in_relief(monkeypatch) -> No
         monkeypatch.setattr(module, "fills_a_gap", lambda *_, around=all_around: around)
         # the same labels, judged anew
         assert replace(question).at_a_glance().fills == all(case)
+
+
+def test_what_is_recognized_anywhere_is_told_but_not_what_lies_within(monkeypatch) -> None:
+    monkeypatch.setattr(module, "beside_their_twins", likeliest)
+    monkeypatch.setattr(module, "may_be_right", lambda *_: False)
+    monkeypatch.setattr(module, "may_lie_right", lambda *_: True)
+    monkeypatch.setattr(module, "chance_as_it_lies", lambda *_: SlidChance(0.3, 0.3))
+    answers = iter([0.1, 0.4, 0.2])
+    monkeypatch.setattr(module, "recognized_by_relief", lambda *_: next(answers, 0.0))
+    question = replace(labeled_once())
+    assert question.at_a_glance().recognized == pytest.approx(0.25 * question.unit**2)
+    assert question.in_full().recognized >= question.at_a_glance().recognized
+    monkeypatch.setattr(module, "lies_within", lambda *_: True)
+    assert replace(labeled_once()).at_a_glance().recognized == 0.0

@@ -63,13 +63,15 @@ class Asking:
 def asked(first: Union, second: Union, meet: Meet, growth: Growth) -> Join:
     """The answer of two unions, the larger one first; what is likely is kept in mind.
 
-    So is what fills a gap of one of them, however likely.
+    So is what fills a gap of one of them, and how much is recognized, however likely.
     """
 
     def met(one: Union, other: Union, known: Ints, taken: Bools | None) -> Meeting:
         found = meet(one, other, known, taken)
         if found.in_gap is not None:
             growth.in_gaps.append(Join(one, other, found.in_gap))
+        key = (one.members, other.members)
+        growth.recognized[key] = max(found.recognized, growth.recognized.get(key, 0.0))
         return found
 
     join = _answered(first, second, met, growth)

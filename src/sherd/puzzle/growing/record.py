@@ -65,6 +65,8 @@ class Growth:
         What is by the skin alone if it fills a gap of what is joined at last, with that chance.
     half_likely
         What was half likely at least, by all or by the skin.
+    recognized
+        By the members of both, what of the area that they share is recognized; see `Meeting`.
     in_gaps
         What fills a gap of one of two unions, however likely it lies there, in the order asked.
     groups
@@ -102,6 +104,7 @@ class Growth:
     by_skin: list[Join] = field(default_factory=list)
     filling: list[Join] = field(default_factory=list)
     half_likely: list[Join] = field(default_factory=list)
+    recognized: dict[tuple[tuple[int, ...], tuple[int, ...]], float] = field(default_factory=dict)
     in_gaps: list[Join] = field(default_factory=list)
     groups: list[tuple[int, ...]] = field(default_factory=list)
     unplaced: list[int] = field(default_factory=list)

@@ -13,14 +13,15 @@ from functools import partial
 
 import numpy as np
 
-from sherd.arrays import Bools, Ints
+from sherd.arrays import Bools, Ints, Singles
 from sherd.correspondence.confidence import LEAST
 from sherd.correspondence.labels.labeling import Problem
 from sherd.correspondence.labels.places import followed
-from sherd.correspondence.labels.relief_similarity import with_relief
+from sherd.correspondence.labels.relief_similarity import relief_similarity, with_relief
 from sherd.correspondence.labels.two_way import Both, TwoLabelings
 from sherd.correspondence.question import NO_PINS, Question
 from sherd.correspondence.shared.judgment import likeness_of_both
+from sherd.correspondence.shared.likeness import recognized_by_relief
 from sherd.correspondence.shared.places_by_form import finished_place, labelings_by_form
 from sherd.correspondence.shared.relief_correlation import alike_in_relief
 from sherd.correspondence.shared.two_way_placement import (
@@ -50,6 +51,7 @@ from sherd.puzzle.pairwise.join_chance import (
     fits_a_twin,
     join_chance,
     join_features,
+    lies_within,
     may_be_right,
     may_lie_right,
 )
@@ -136,6 +138,8 @@ class PairQuestion:
     ----------
     questions, queries, problems
         Of both directions.
+    reliefs
+        (k, s) of both, how alike nodes and labels are in relief.
     labelings
         What saves most.
     unit
@@ -149,6 +153,7 @@ class PairQuestion:
     questions: Both[Question]
     queries: Both[Queries]
     problems: Both[Problem]
+    reliefs: Both[Singles]
     labelings: TwoLabelings
     unit: float
     seed: int
@@ -168,7 +173,11 @@ class PairQuestion:
         there, back = questions_of(surfaces, known, unknown=False)
         guided = (replace(there.with_stretch(STRETCH), free=free), back.with_stretch(STRETCH))
         by_normals = problems_both_ways(guided, seed)
-        problems = (with_relief(by_normals[0]), with_relief(by_normals[1]))
+        reliefs = (relief_similarity(by_normals[0]), relief_similarity(by_normals[1]))
+        problems = (
+            with_relief(by_normals[0], reliefs[0]),
+            with_relief(by_normals[1], reliefs[1]),
+        )
         questions = (
             replace(guided[0], pins=NO_PINS, free=None),
             replace(guided[1], pins=NO_PINS),
@@ -177,6 +186,7 @@ class PairQuestion:
             questions,
             queries_both_ways(questions, seed),
             problems,
+            (reliefs[0].max(axis=2), reliefs[1].max(axis=2)),
             labeled_both_ways(problems, seed),
             unit,
             seed,
@@ -199,7 +209,11 @@ class PairQuestion:
             answers = one_place([self._first_answer, *self._further_answers()])
         met = beside_their_twins(answers, self._mirrored_answer)
         filling = [each for each in answers if each.fills]
-        return replace(met, in_gap=max(filling, key=lambda each: each.filling, default=None))
+        return replace(
+            met,
+            in_gap=max(filling, key=lambda each: each.filling, default=None),
+            recognized=max(each.recognized for each in answers),
+        )
 
     @cached_property
     def led(self) -> TwoLabelings:
@@ -242,10 +256,11 @@ class PairQuestion:
         placements = looked_closer(questions, queries, laid, strain=strain)
         likeness = likeness_of_both(questions, placements)
         features = join_features(labelings, questions, placements, likeness, self.seed)
-        skin = SlidChance(0.0, 0.0)
+        skin, recognized = SlidChance(0.0, 0.0), 0.0
         may_be = may_be_right(features)
         if may_lie_right(features):
             skin = chance_as_it_lies(questions, placements, likeness)
+            recognized = self._recognized(placements)
         twin = fits_a_twin(features) or skin.turned
         chance, leads = join_chance(features), enough_lead(features)
         met = Meeting(
@@ -260,34 +275,46 @@ class PairQuestion:
             leads=leads,
             handedness=float(features[HANDEDNESS]),
             fills=may_be and skin.alike and fills_a_gap(questions, placements),
+            recognized=recognized,
         )
-        return _slid(met, skin) if may_be or skin.fitting >= WORTH_A_SLIDE else met
+        return self._slid(met, skin) if may_be or skin.fitting >= WORTH_A_SLIDE else met
+
+    def _slid(self, met: Meeting, skin: SlidChance) -> Meeting:
+        """The same where reliefs are most alike; what is sure there is not laid on its twin.
+
+        As it was where that is sure by its `skin`, and the other is not; and where the slide
+        neither makes it likelier nor reliefs more alike, at a width finer than those it slides by.
+        """
+        found = slid(met.questions, met.placements, strain=OverlapOptions().strain)
+        if not share_something(found):
+            sure = skin.chance >= JOINED > met.chance
+            return _judged(met, skin) if sure else replace(met, by_skin=skin.by_skin)
+        met = replace(met, recognized=max(met.recognized, self._recognized(found)))
+        likeness = likeness_of_both(met.questions, found)
+        said = chance_where_it_slid(met.chance, met.questions, found, likeness)
+        if skin.chance >= JOINED > said.chance:
+            return _judged(met, skin)
+        there = _judged(replace(met, placements=found), said)
+        if max(said.chance, said.by_skin) > met.chance:
+            return there
+        before, after = (alike_in_relief(met.questions, each) for each in (met.placements, found))
+        return there if after > before else replace(met, chance=said.chance, by_skin=skin.by_skin)
+
+    def _recognized(self, placements: Both[SharedPlacement]) -> float:
+        """Mean of both directions, in the unit of the meshes; 0 of what lies within the other."""
+        if lies_within(self.questions, placements):
+            return 0.0
+        both = zip(self.questions, placements, self.reliefs, strict=True)
+        areas = [
+            recognized_by_relief(question, place.trip.there, place.shared, alike)
+            for question, place, alike in both
+        ]
+        return 0.5 * sum(areas) * self.unit**2
 
 
 def _unlike(place: SharedPlacement, queries: Queries) -> SharedPlacement:
     """A placement that nothing is known of but that it is wrong: no neighborhoods are alike."""
     return replace(place, similarity=np.zeros(len(queries.vertices)))
-
-
-def _slid(met: Meeting, skin: SlidChance) -> Meeting:
-    """The same where reliefs are most alike; what is sure there is not laid on its twin.
-
-    As it was where that is sure by its `skin`, and the other is not; and where the slide neither
-    makes it likelier nor reliefs more alike, at a width finer than those it slides by.
-    """
-    found = slid(met.questions, met.placements, strain=OverlapOptions().strain)
-    if not share_something(found):
-        sure = skin.chance >= JOINED > met.chance
-        return _judged(met, skin) if sure else replace(met, by_skin=skin.by_skin)
-    likeness = likeness_of_both(met.questions, found)
-    said = chance_where_it_slid(met.chance, met.questions, found, likeness)
-    if skin.chance >= JOINED > said.chance:
-        return _judged(met, skin)
-    there = _judged(replace(met, placements=found), said)
-    if max(said.chance, said.by_skin) > met.chance:
-        return there
-    before, after = (alike_in_relief(met.questions, each) for each in (met.placements, found))
-    return there if after > before else replace(met, chance=said.chance, by_skin=skin.by_skin)
 
 
 def _judged(met: Meeting, said: SlidChance) -> Meeting:
