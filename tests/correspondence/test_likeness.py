@@ -13,7 +13,6 @@ from sherd.correspondence.shared.likeness import (
     likeness_inside,
     recognized_by_relief,
 )
-from sherd.descriptors.relief_patches import patch_similarity
 from sherd.shapes import creature
 from sherd.surface.described import DescribedSurface
 from sherd.surface.working import working_surface
@@ -86,19 +85,11 @@ def test_by_relief_too_little_says_nothing(question, front) -> None:
 
 
 def test_skin_is_recognized_where_it_lies_and_not_elsewhere(question, front) -> None:
-    full, part = question.full, question.part
-    nodes, labels = part.sparse.vertices, full.label_patches
-    alike = patch_similarity(
-        labels.patches, part.patches_at(nodes), labels.cells, len(full.dense)
-    ).max(axis=2)
-    mesh = full.mesh
-    shared = float(part.mesh.vertex_areas @ front[1])
-    right = recognized_by_relief(question, mesh.vertices, front[1], alike)
-    # all of it at most, which is half of its area
-    assert 0.2 * shared < right < 0.55 * shared
+    mesh = question.full.mesh
+    assert recognized_by_relief(question, mesh.vertices, front[1]) > 0.7
     along = np.argmax(np.ptp(mesh.vertices, axis=0))
     turned = mesh.vertices.copy()
     turned[:, along] = turned[:, along].min() + turned[:, along].max() - turned[:, along]
     there = mesh.vertices[cKDTree(mesh.vertices).query(turned)[1]]
-    assert recognized_by_relief(question, there, front[1], alike) < -0.2 * shared
-    assert recognized_by_relief(question, there, np.zeros_like(front[1]), alike) == 0.0
+    assert recognized_by_relief(question, there, front[1]) < 0.2
+    assert recognized_by_relief(question, there, np.zeros_like(front[1])) is None

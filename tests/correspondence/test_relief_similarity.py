@@ -10,7 +10,7 @@ import pytest
 
 from sherd.arrays import Bools
 from sherd.correspondence.labels.labeling import SAME_SCALE, Problem
-from sherd.correspondence.labels.relief_similarity import relief_similarity, with_relief
+from sherd.correspondence.labels.relief_similarity import with_relief
 from sherd.correspondence.placements import anchor_problem
 from sherd.correspondence.question import Question
 from sherd.mesh.surface_points import closest_points
@@ -51,10 +51,6 @@ def right_labels(problem: Problem, pieces: tuple[Fragment, Fragment]) -> Bools:
     return near
 
 
-def mixed(problem: Problem) -> Problem:
-    return with_relief(problem, relief_similarity(problem))
-
-
 def test_more_right_labels_come_first(problem: Problem, pieces: tuple[Fragment, Fragment]) -> None:
     right = right_labels(problem, pieces)
     shared = right.any(axis=1)
@@ -64,11 +60,11 @@ def test_more_right_labels_come_first(problem: Problem, pieces: tuple[Fragment, 
         best = each.peaks.argmax(axis=1)
         return float(right[np.arange(len(best)), best][shared].mean())
 
-    assert first(mixed(problem)) > 1.2 * first(problem)
+    assert first(with_relief(problem)) > 1.2 * first(problem)
 
 
 def test_costs_keep_their_unit(problem: Problem) -> None:
-    spreads = [each.peaks.std(axis=1).mean() for each in (problem, mixed(problem))]
+    spreads = [each.peaks.std(axis=1).mean() for each in (problem, with_relief(problem))]
     assert spreads[1] == pytest.approx(spreads[0], rel=0.3)
 
 
@@ -80,4 +76,4 @@ def test_a_surface_without_relief_leaves_the_problem_as_it_is(
         "sherd.correspondence.labels.relief_similarity.patch_similarity", lambda *_: nothing()
     )
     same = replace(problem)
-    assert mixed(same) is same
+    assert with_relief(same) is same

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from sherd.correspondence.confidence import LEAST
-from sherd.correspondence.shared.judgment import shared_confidence
+from sherd.correspondence.shared.judgment import shared_area, shared_confidence
 from sherd.correspondence.shared.two_way_placement import first_look
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.puzzle.pairwise import meeting as module
@@ -158,15 +158,26 @@ def test_what_fills_a_gap_may_be_right_and_is_alike_in_relief(monkeypatch) -> No
         assert replace(question).at_a_glance().fills == all(case)
 
 
-def test_what_is_recognized_anywhere_is_told_but_not_what_lies_within(monkeypatch) -> None:
-    monkeypatch.setattr(module, "beside_their_twins", likeliest)
+def test_how_much_is_recognized_is_told_but_not_of_what_lies_within_or_of_little(
+    monkeypatch,
+) -> None:
+    question = labeled_once()
+    laid = replace(question).at_a_glance().placements
+    for name in ("first_look", "looked_closer"):
+        monkeypatch.setattr(module, name, lambda *_, **__: laid)
     monkeypatch.setattr(module, "may_be_right", lambda *_: False)
     monkeypatch.setattr(module, "may_lie_right", lambda *_: True)
     monkeypatch.setattr(module, "chance_as_it_lies", lambda *_: SlidChance(0.3, 0.3))
-    answers = iter([0.1, 0.4, 0.2])
-    monkeypatch.setattr(module, "recognized_by_relief", lambda *_: next(answers, 0.0))
-    question = replace(labeled_once())
-    assert question.at_a_glance().recognized == pytest.approx(0.25 * question.unit**2)
-    assert question.in_full().recognized >= question.at_a_glance().recognized
-    monkeypatch.setattr(module, "lies_within", lambda *_: True)
-    assert replace(labeled_once()).at_a_glance().recognized == 0.0
+    monkeypatch.setattr(module, "lies_within", lambda *_: False)
+    shares = iter([0.7, 0.9, 0.7, 0.9])
+    monkeypatch.setattr(module, "recognized_by_relief", lambda *_: next(shares))
+    area = shared_area(question.questions, laid) * question.unit**2
+    assert replace(question).at_a_glance().recognized == pytest.approx(0.3 * area)
+    with monkeypatch.context() as patch:
+        patch.setattr(module, "lies_within", lambda *_: True)
+        assert replace(question).at_a_glance().recognized == 0.0
+    larger = max(mesh.area for mesh in front_and_back())
+    monkeypatch.setattr(module, "RECOGNIZED", 0.49 * area / larger)
+    assert replace(question).at_a_glance().recognized == pytest.approx(0.3 * area)
+    monkeypatch.setattr(module, "RECOGNIZED", 0.52 * area / larger)
+    assert replace(question).at_a_glance().recognized == 0.0

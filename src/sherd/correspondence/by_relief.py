@@ -11,7 +11,7 @@ from dataclasses import replace
 
 from sherd.correspondence.labels.anchors import candidates_again, find_anchors
 from sherd.correspondence.labels.labeling import Labeling, Problem, solve
-from sherd.correspondence.labels.relief_similarity import relief_similarity, with_relief
+from sherd.correspondence.labels.relief_similarity import with_relief
 
 __all__ = ["labeled_by_relief"]
 
@@ -21,6 +21,6 @@ def labeled_by_relief(problem: Problem) -> Labeling:
 
     In one round; so it can be compared with that of the problem itself, and with that of chance.
     """
-    found = find_anchors(with_relief(problem, relief_similarity(problem)))
+    found = find_anchors(with_relief(problem))
     settled = solve(problem, *candidates_again(problem, found))
     return replace(found, energy=settled.energy)

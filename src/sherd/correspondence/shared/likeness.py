@@ -18,7 +18,11 @@ import numpy as np
 from sherd.arrays import Bools, Floats, Ints, Singles
 from sherd.correspondence.placements import node_similarity
 from sherd.correspondence.question import Question
-from sherd.descriptors.relief_patches import ReliefPatches, patch_similarity_in_pairs
+from sherd.descriptors.relief_patches import (
+    ReliefPatches,
+    patch_similarity,
+    patch_similarity_in_pairs,
+)
 from sherd.descriptors.rotation_shot import trusted_equally
 from sherd.surface.described import RADII, DescribedSurface
 from sherd.surface.transformed import mirrored
@@ -133,28 +137,24 @@ def handed_by_relief(question: Question, there: Floats, own: Bools) -> float | N
     return float(np.average(handed, weights=_areas(part)[chosen]))
 
 
-def recognized_by_relief(question: Question, there: Floats, own: Bools, alike: Singles) -> float:
-    """The area that is recognized by its relief, less what is not, halved; in squared units.
+def recognized_by_relief(question: Question, there: Floats, own: Bools) -> float | None:
+    """The share of nodes whose places are recognized among all labels, by the relief of the skin.
 
-    That is the area shared times how much more than a half of it is recognized. As of one's own
-    skin more than a half is and of another's less, and places are many as the area is large, this
-    goes with the logarithm of the odds that both have one skin, rightly laid or not: limbs on
-    other limbs of one body are recognized there as well.
-
-    Parameters
-    ----------
-    question, there, own
-        As of :func:`likeness_inside`.
-    alike
-        (k, s) of all nodes and labels, at their best rotation.
+    Of one's own skin that is more than a half and of another's less, rightly laid or not: limbs on
+    other limbs of one body are recognized there as well. None where so little is shared that
+    nothing can be said.
     """
     full, part = question.full, question.part
-    nodes = np.flatnonzero(own[part.sparse.vertices])
-    similarity = alike[nodes]
-    near = _near(full, there[part.sparse.vertices[nodes]])
-    here = np.where(near, similarity, -1.0).max(axis=1)
+    chosen = _chosen(part, own)
+    if len(chosen) < LEAST_NODES:
+        return None
+    nodes, labels = part.sparse.vertices[chosen], full.label_patches
+    similarity = patch_similarity(
+        labels.patches, part.patches_at_within(nodes, own), labels.cells, len(full.dense)
+    ).max(axis=2)
+    here = np.where(_near(full, there[nodes]), similarity, -1.0).max(axis=1)
     recognized = (similarity > here[:, None]).sum(axis=1) < RECOGNIZED
-    return float(_areas(part)[nodes] @ (recognized - 0.5))
+    return float(np.average(recognized, weights=_areas(part)[chosen]))
 
 
 def _chosen(part: DescribedSurface, own: Bools) -> Ints:

@@ -15,17 +15,12 @@ from sherd.puzzle.growing.asking import Asking
 from sherd.puzzle.growing.common_places import is_within
 from sherd.puzzle.growing.record import Growth, undisputed
 from sherd.puzzle.growing.union import Union
-from sherd.puzzle.pairwise.answer import LIKELY
+from sherd.puzzle.pairwise.answer import LIKELY, RECOGNIZED
 from sherd.puzzle.pairwise.body import Body
 from sherd.surface.transformed import mirrored_mesh
 from sherd.threads import one_blas_thread
 
 __all__ = ["belonging", "chance_as_a_part"]
-
-# Of whom so much of the group's area is recognized, less what is not, halved, belongs. Pieces of
-# other species have 0.0148 at most on 29 groups of all kinds; own ones that were left 0.020 to
-# 0.072, or, as many, less. Half way by ratio.
-RECOGNIZED = 0.0175
 
 
 def belonging(

@@ -13,14 +13,14 @@ from functools import partial
 
 import numpy as np
 
-from sherd.arrays import Bools, Ints, Singles
+from sherd.arrays import Bools, Ints
 from sherd.correspondence.confidence import LEAST
 from sherd.correspondence.labels.labeling import Problem
 from sherd.correspondence.labels.places import followed
-from sherd.correspondence.labels.relief_similarity import relief_similarity, with_relief
+from sherd.correspondence.labels.relief_similarity import with_relief
 from sherd.correspondence.labels.two_way import Both, TwoLabelings
 from sherd.correspondence.question import NO_PINS, Question
-from sherd.correspondence.shared.judgment import likeness_of_both
+from sherd.correspondence.shared.judgment import likeness_of_both, shared_area
 from sherd.correspondence.shared.likeness import recognized_by_relief
 from sherd.correspondence.shared.places_by_form import finished_place, labelings_by_form
 from sherd.correspondence.shared.relief_correlation import alike_in_relief
@@ -42,7 +42,7 @@ from sherd.overlap import (
     queries_both_ways,
     questions_of,
 )
-from sherd.puzzle.pairwise.answer import JOINED, Meeting, one_place
+from sherd.puzzle.pairwise.answer import JOINED, RECOGNIZED, Meeting, one_place
 from sherd.puzzle.pairwise.join_chance import (
     HANDEDNESS,
     WORTH_A_SLIDE,
@@ -138,8 +138,6 @@ class PairQuestion:
     ----------
     questions, queries, problems
         Of both directions.
-    reliefs
-        (k, s) of both, how alike nodes and labels are in relief.
     labelings
         What saves most.
     unit
@@ -153,7 +151,6 @@ class PairQuestion:
     questions: Both[Question]
     queries: Both[Queries]
     problems: Both[Problem]
-    reliefs: Both[Singles]
     labelings: TwoLabelings
     unit: float
     seed: int
@@ -173,11 +170,7 @@ class PairQuestion:
         there, back = questions_of(surfaces, known, unknown=False)
         guided = (replace(there.with_stretch(STRETCH), free=free), back.with_stretch(STRETCH))
         by_normals = problems_both_ways(guided, seed)
-        reliefs = (relief_similarity(by_normals[0]), relief_similarity(by_normals[1]))
-        problems = (
-            with_relief(by_normals[0], reliefs[0]),
-            with_relief(by_normals[1], reliefs[1]),
-        )
+        problems = (with_relief(by_normals[0]), with_relief(by_normals[1]))
         questions = (
             replace(guided[0], pins=NO_PINS, free=None),
             replace(guided[1], pins=NO_PINS),
@@ -186,7 +179,6 @@ class PairQuestion:
             questions,
             queries_both_ways(questions, seed),
             problems,
-            (reliefs[0].max(axis=2), reliefs[1].max(axis=2)),
             labeled_both_ways(problems, seed),
             unit,
             seed,
@@ -301,15 +293,20 @@ class PairQuestion:
         return there if after > before else replace(met, chance=said.chance, by_skin=skin.by_skin)
 
     def _recognized(self, placements: Both[SharedPlacement]) -> float:
-        """Mean of both directions, in the unit of the meshes; 0 of what lies within the other."""
-        if lies_within(self.questions, placements):
+        """How much of the area that is shared, see `Meeting`; 0 where that is too little to count.
+
+        Nobody belongs by less than `RECOGNIZED`, which the larger of both alone is too large for.
+        """
+        area = shared_area(self.questions, placements)
+        larger = max(float(each.part.mesh.area) for each in self.questions)
+        if 0.5 * area < RECOGNIZED * larger or lies_within(self.questions, placements):
             return 0.0
-        both = zip(self.questions, placements, self.reliefs, strict=True)
-        areas = [
-            recognized_by_relief(question, place.trip.there, place.shared, alike)
-            for question, place, alike in both
-        ]
-        return 0.5 * sum(areas) * self.unit**2
+        shares = side_by_side(
+            partial(recognized_by_relief, question, place.trip.there, place.shared)
+            for question, place in zip(self.questions, placements, strict=True)
+        )
+        told = [share for share in shares if share is not None]
+        return area * (float(np.mean(told)) - 0.5) * self.unit**2 if told else 0.0
 
 
 def _unlike(place: SharedPlacement, queries: Queries) -> SharedPlacement:
