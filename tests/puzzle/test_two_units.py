@@ -27,6 +27,7 @@ class Answer:
     chance: float
     by_skin: float = 0.0
     handedness: float = 0.0
+    recognized: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -129,6 +130,18 @@ def test_what_fits_better_mirrored_is_not_believed_at_large(sharing) -> None:
     assert question(Asked(UNLIKELY, own), mirrored).in_full() == own
     right = Answer(0.98, handedness=-0.21)
     assert question(Asked(UNLIKELY, own), right).in_full() == right
+
+
+@pytest.mark.parametrize(
+    ("glance", "full", "wide"), [(0.3, 0.1, 0.2), (0.1, 0.3, 0.2), (0.1, 0.2, 0.3)]
+)
+def test_skin_that_is_recognized_in_any_unit_is_told(sharing, glance, full, wide) -> None:
+    sharing(0.05, 0.0)
+    own = Answer(0.05, recognized=full)
+    found = question(
+        Asked(replace(UNLIKELY, recognized=glance), own), replace(UNLIKELY, recognized=wide)
+    ).in_full()
+    assert found == replace(own, recognized=0.3)
 
 
 def test_what_has_no_chance_is_asked_at_large_at_a_glance_only(sharing) -> None:

@@ -7,8 +7,8 @@ them. So what is not sure may be sure at large.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 
 from sherd.puzzle.growing.asking import against, common_area
 from sherd.puzzle.growing.common_places import left_out
@@ -68,11 +68,13 @@ class QuestionInTwoUnits:
         own = self._own.at_a_glance()
         if own.chance >= JOINED or self._wide is None:
             return own
-        there = self._join(self._wide.at_a_glance())
-        if there.met.chance < JOINED or common_area(there) < SEEN_AT_LARGE * self.whole**2:
-            return own
-        before = self._join(own)
-        return against(there, before).met if left_out(before, there) > CROWD else there.met
+        there, before = self._join(self._wide.at_a_glance()), self._join(own)
+        met = there.met
+        if met.chance < JOINED or common_area(there) < SEEN_AT_LARGE * self.whole**2:
+            met = own
+        elif left_out(before, there) > CROWD:
+            met = against(there, before).met
+        return _recognizing(met, [own, there.met])
 
     def in_full(self) -> Meeting:
         """All places, if none is sure at a glance; in units of the whole where one has a chance.
@@ -83,13 +85,15 @@ class QuestionInTwoUnits:
         met = self.at_a_glance()
         if met.chance >= JOINED:
             return met
-        own = self._own.in_full()
+        found = self._own.in_full()
+        own = _recognizing(found, [found, met])
         seen = max(own.chance, own.by_skin) >= SEEN
         if own.chance >= JOINED or not seen or self._wide is None:
             return own
         there = self._join(self._wide.in_full())
         sure = there.met.chance >= JOINED and there.met.handedness >= MIRRORED
-        return there.met if sure and left_out(self._join(own), there) <= CROWD else own
+        sure = sure and left_out(self._join(own), there) <= CROWD
+        return _recognizing(there.met if sure else own, [own, there.met])
 
     @cached_property
     def _own(self) -> PairQuestion:
@@ -102,3 +106,8 @@ class QuestionInTwoUnits:
 
     def _join(self, met: Meeting) -> Join:
         return Join(self.first, self.second, met)
+
+
+def _recognizing(met: Meeting, answers: Sequence[Meeting]) -> Meeting:
+    """The same where as much of the skin is recognized as by any answer to the question."""
+    return replace(met, recognized=max(each.recognized for each in answers))
