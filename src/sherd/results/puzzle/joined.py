@@ -78,9 +78,9 @@ class Joined(FrozenState):
         on the other limb of the pair. So would that of another body of the same kind.
     unplaced
         Pieces that belong to their group and are on no map to it, in order: somewhere they fill a
-        gap of it, they look like a part of it or of its mirror image, or they are half likely to
-        lie on it, as what is of another kind is not, but where they lie is not likely enough.
-        Another body's piece of the same kind may do so as well.
+        gap of it, they look like a part of it or of its mirror image, they are half likely to lie
+        on it, or their skin is recognized there, as what is of another kind is not, but where they
+        lie is not likely enough. Another body's piece of the same kind may do so as well.
     """
 
     pieces: tuple[TriangleMesh, ...]
