@@ -51,6 +51,12 @@ def labeled_once() -> PairQuestion:
     return pair_question(*front_and_back(), 0, describe=described_once)
 
 
+@cache
+def answered_once() -> Meeting:
+    """The same at a glance."""
+    return labeled_once().at_a_glance()
+
+
 def likeliest(answers: list[Meeting], _: object) -> Meeting:
     """No mirror image is asked."""
     return max(answers, key=lambda met: met.chance)
@@ -141,12 +147,13 @@ def test_what_is_sure_by_its_skin_stays_where_a_slide_would_leave_it(monkeypatch
 def test_what_fills_a_gap_may_be_right_and_is_alike_in_relief(monkeypatch) -> None:
     """What is of another kind may go on all around, and its reliefs are less alike."""
     question = labeled_once()
-    laid = replace(question).at_a_glance().placements
+    laid = answered_once().placements
     for name in ("first_look", "looked_closer"):
         monkeypatch.setattr(module, name, lambda *_, **__: laid)
     monkeypatch.setattr(module, "likeness_of_both", lambda *_: None)
     monkeypatch.setattr(module, "join_features", lambda *_: np.zeros(8))
     monkeypatch.setattr(module, "may_lie_right", lambda _: True)
+    monkeypatch.setattr(module, "followed", lambda _, labelings: labelings)  # labeled once
     monkeypatch.setattr(PairQuestion, "_slid", lambda question, met, _: met)
     for case in ((True, True, True), (False, True, True), (True, False, True), (True, True, False)):
         may_be, alike, all_around = case
@@ -162,9 +169,12 @@ def test_how_much_is_recognized_is_told_but_not_of_what_lies_within_or_of_little
     monkeypatch,
 ) -> None:
     question = labeled_once()
-    laid = replace(question).at_a_glance().placements
+    laid = answered_once().placements
     for name in ("first_look", "looked_closer"):
         monkeypatch.setattr(module, name, lambda *_, **__: laid)
+    monkeypatch.setattr(module, "followed", lambda _, labelings: labelings)  # labeled once
+    monkeypatch.setattr(module, "likeness_of_both", lambda *_: None)
+    monkeypatch.setattr(module, "join_features", lambda *_: np.zeros(8))
     monkeypatch.setattr(module, "may_be_right", lambda *_: False)
     monkeypatch.setattr(module, "may_lie_right", lambda *_: True)
     monkeypatch.setattr(module, "chance_as_it_lies", lambda *_: SlidChance(0.3, 0.3))
