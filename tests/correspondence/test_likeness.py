@@ -13,6 +13,7 @@ from sherd.correspondence.shared.likeness import (
     likeness_inside,
     recognized_by_relief,
 )
+from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.shapes import creature
 from sherd.surface.described import DescribedSurface
 from sherd.surface.working import working_surface
@@ -40,6 +41,14 @@ def front(question: Question) -> tuple[np.ndarray, np.ndarray]:
     )
 
 
+def at_the_other_end(mesh: TriangleMesh) -> np.ndarray:
+    """Of each vertex of an animal the place of one as far from the other end."""
+    along = np.argmax(np.ptp(mesh.vertices, axis=0))
+    turned = mesh.vertices.copy()
+    turned[:, along] = turned[:, along].min() + turned[:, along].max() - turned[:, along]
+    return mesh.vertices[cKDTree(mesh.vertices).query(turned)[1]]
+
+
 def test_the_right_place_leads_though_both_are_cut(question, front) -> None:
     there = question.full.mesh.vertices  # both poses have the same vertices
     found = likeness_inside(question, there, front[1], front[0])
@@ -49,10 +58,7 @@ def test_the_right_place_leads_though_both_are_cut(question, front) -> None:
 
 def test_a_place_at_the_other_end_does_not_lead(question, front) -> None:
     mesh = question.full.mesh
-    along = np.argmax(np.ptp(mesh.vertices, axis=0))
-    turned = mesh.vertices.copy()
-    turned[:, along] = turned[:, along].min() + turned[:, along].max() - turned[:, along]
-    there = mesh.vertices[cKDTree(mesh.vertices).query(turned)[1]]
+    there = at_the_other_end(mesh)
     right = likeness_inside(question, mesh.vertices, front[1], front[0])
     wrong = likeness_inside(question, there, front[1], front[0])
     assert wrong.leading < right.leading - 0.4
@@ -87,9 +93,6 @@ def test_by_relief_too_little_says_nothing(question, front) -> None:
 def test_skin_is_recognized_where_it_lies_and_not_elsewhere(question, front) -> None:
     mesh = question.full.mesh
     assert recognized_by_relief(question, mesh.vertices, front[1]) > 0.7
-    along = np.argmax(np.ptp(mesh.vertices, axis=0))
-    turned = mesh.vertices.copy()
-    turned[:, along] = turned[:, along].min() + turned[:, along].max() - turned[:, along]
-    there = mesh.vertices[cKDTree(mesh.vertices).query(turned)[1]]
+    there = at_the_other_end(mesh)
     assert recognized_by_relief(question, there, front[1]) < 0.2
     assert recognized_by_relief(question, there, np.zeros_like(front[1])) is None

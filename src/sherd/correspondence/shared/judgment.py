@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 
 import numpy as np
@@ -152,6 +152,20 @@ def likeness_of_both(
         for question, own, other in zip(questions, (there, back), (back, there), strict=True)
     )
     return mean_likeness(*found)
+
+
+def share_of_both(
+    share: Callable[[Question, Floats, Bools], float | None],
+    questions: Both[Question],
+    placements: Both[SharedPlacement],
+) -> float | None:
+    """Mean of a share of places over the directions that tell it; None if neither does."""
+    found = side_by_side(
+        partial(share, question, place.trip.there, place.shared)
+        for question, place in zip(questions, placements, strict=True)
+    )
+    told = [each for each in found if each is not None]
+    return float(np.mean(told)) if told else None
 
 
 def most_open(questions: Both[Question], placements: Both[SharedPlacement]) -> float:

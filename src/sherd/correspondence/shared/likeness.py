@@ -45,7 +45,7 @@ LEADING = 40
 # is shared rightly in other poses a half to nine tenths are, of what slid to where it is alike on
 # another species a third, seldom two. On a small piece labels lie closer, so more of them are at
 # what is nearly the same place; as many fewer hold a patch there, half of them on a limb.
-RECOGNIZED = 6
+MORE_ALIKE = 6
 # Two or three nodes say nothing, and a share is known to a twentieth from a hundred.
 LEAST_NODES, MOST_NODES = 4, 100
 
@@ -155,7 +155,7 @@ def recognized_by_relief(question: Question, there: Floats, own: Bools) -> float
     ).max(axis=2)
     here = np.where(_near(full, there[nodes]), similarity, -1.0).max(axis=1)
     more_alike = (similarity > here[:, None]).mean(axis=1)
-    recognized = more_alike < RECOGNIZED / len(np.unique(labels.cells))
+    recognized = more_alike < MORE_ALIKE / len(np.unique(labels.cells))
     return float(np.average(recognized, weights=_areas(part)[chosen]))
 
 

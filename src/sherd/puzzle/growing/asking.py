@@ -14,7 +14,7 @@ from sherd.arrays import Bools, Ints
 from sherd.correspondence.confidence import LEAST
 from sherd.correspondence.shared.judgment import shared_area
 from sherd.puzzle.growing.common_places import left_out, recalled, taken_by
-from sherd.puzzle.growing.record import CROWD, Growth, laid_there, odds_of
+from sherd.puzzle.growing.record import CROWD, Growth, chance_at, laid_there, odds_of
 from sherd.puzzle.growing.union import Join, Union
 from sherd.puzzle.pairwise.answer import JOINED, LIKELY, Ground, Meeting, ground_of
 from sherd.puzzle.pairwise.body import Told
@@ -156,7 +156,7 @@ def _uncontradicted(
 def against(join: Join, rival: Join) -> Join:
     """An answer that another one contradicts: of both places one is right, or none."""
     odds = odds_of(join) / (1.0 + odds_of(rival))
-    return join.with_chance(odds / (1.0 + odds))
+    return join.with_chance(chance_at(odds))
 
 
 def _confirmed(join: Join, before: Join) -> Join:
@@ -169,4 +169,4 @@ def _confirmed(join: Join, before: Join) -> Join:
     if not repeated:
         return join
     odds = math.sqrt(odds_of(before) * odds_of(join))
-    return join.with_chance(odds / (1.0 + odds))
+    return join.with_chance(chance_at(odds))

@@ -19,6 +19,7 @@ from sherd.puzzle.growing.record import (
     CROWD,
     CROWDED_AT_LAST,
     Growth,
+    chance_at,
     chance_of,
     odds_beside,
     undisputed,
@@ -185,7 +186,7 @@ def _chance_beside(before: Join, growth: Growth) -> float:
     if before.met.chance < JOINED:
         return LEAST
     odds = odds_beside(before, max(rivals, key=chance_of), CROWDED_AT_LAST)
-    return odds / (1.0 + odds)
+    return chance_at(odds)
 
 
 def _contradicted(join: Join, before: Join, groups: Sequence[Union], growth: Growth) -> bool:

@@ -21,7 +21,7 @@ from sherd.mesh.surface_points import closest_points
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.puzzle.growing.asking import Asking, Meet, asked, unless_strangers
 from sherd.puzzle.growing.members import carried
-from sherd.puzzle.growing.record import Growth
+from sherd.puzzle.growing.record import Growth, chance_at
 from sherd.puzzle.growing.union import LAYER, Union, floating, larger_first, largest_first, named_at
 from sherd.puzzle.pairwise.answer import Ground, Meeting, ground_of
 from sherd.surface.described import DescribedSurface
@@ -98,8 +98,7 @@ def _in_one_of(poses: int, meet: Meet) -> Meet:
     """
 
     def shared(chance: float) -> float:
-        odds = chance / (1.0 - chance) / poses
-        return odds / (1.0 + odds)
+        return chance_at(chance / (1.0 - chance) / poses)
 
     def met(one: Union, other: Union, known: Ints, taken: Bools | None) -> Meeting:
         found = meet(one, other, known, taken)

@@ -17,6 +17,7 @@ __all__ = [
     "CROWDED_AT_LAST",
     "UNASKED",
     "Growth",
+    "chance_at",
     "chance_of",
     "laid_there",
     "odds_beside",
@@ -198,6 +199,11 @@ def chance_of(join: Join) -> float:
 def odds_of(join: Join) -> float:
     """The same as odds."""
     return join.met.chance / (1.0 - join.met.chance)
+
+
+def chance_at(odds: float) -> float:
+    """Odds as a chance."""
+    return odds / (1.0 + odds)
 
 
 def odds_beside(join: Join, rival: Join, often: float) -> float:

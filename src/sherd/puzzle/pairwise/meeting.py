@@ -20,7 +20,7 @@ from sherd.correspondence.labels.places import followed
 from sherd.correspondence.labels.relief_similarity import with_relief
 from sherd.correspondence.labels.two_way import Both, TwoLabelings
 from sherd.correspondence.question import NO_PINS, Question
-from sherd.correspondence.shared.judgment import likeness_of_both, shared_area
+from sherd.correspondence.shared.judgment import likeness_of_both, share_of_both, shared_area
 from sherd.correspondence.shared.likeness import recognized_by_relief
 from sherd.correspondence.shared.places_by_form import finished_place, labelings_by_form
 from sherd.correspondence.shared.relief_correlation import alike_in_relief
@@ -301,12 +301,8 @@ class PairQuestion:
         larger = max(float(each.part.mesh.area) for each in self.questions)
         if 0.5 * area < RECOGNIZED * larger or lies_within(self.questions, placements):
             return 0.0
-        shares = side_by_side(
-            partial(recognized_by_relief, question, place.trip.there, place.shared)
-            for question, place in zip(self.questions, placements, strict=True)
-        )
-        told = [share for share in shares if share is not None]
-        return area * (float(np.mean(told)) - 0.5) * self.unit**2 if told else 0.0
+        share = share_of_both(recognized_by_relief, self.questions, placements)
+        return 0.0 if share is None else area * (share - 0.5) * self.unit**2
 
 
 def _unlike(place: SharedPlacement, queries: Queries) -> SharedPlacement:

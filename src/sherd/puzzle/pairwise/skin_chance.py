@@ -9,14 +9,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 
 from sherd.correspondence.confidence import LEAST, MOST
 from sherd.correspondence.labels.two_way import Both
 from sherd.correspondence.question import Question
-from sherd.correspondence.shared.judgment import shared_area
+from sherd.correspondence.shared.judgment import share_of_both, shared_area
 from sherd.correspondence.shared.likeness import Likeness, handed_by_relief
 from sherd.correspondence.shared.relief_correlation import alike_in_form
 from sherd.correspondence.shared.two_way_placement import SharedPlacement
@@ -29,7 +28,6 @@ from sherd.puzzle.pairwise.join_chance import (
     mean_strain,
 )
 from sherd.puzzle.pairwise.sliding import alike_in_reliefs
-from sherd.threads import side_by_side
 
 __all__ = ["SlidChance", "chance_as_it_lies", "chance_where_it_slid", "least_alike"]
 
@@ -240,12 +238,8 @@ def _handed(
     0.71 are by normals and 0.70 by relief, of a horse's right ones at the edge 0.65 to 0.70 and
     0.75 to 0.90.
     """
-    by_relief = side_by_side(
-        partial(handed_by_relief, question, place.trip.there, place.shared)
-        for question, place in zip(questions, placements, strict=True)
-    )
-    told = [share for share in by_relief if share is not None]
-    return 0.5 * (likeness.handed + float(np.mean(told))) if told else likeness.handed
+    by_relief = share_of_both(handed_by_relief, questions, placements)
+    return likeness.handed if by_relief is None else 0.5 * (likeness.handed + by_relief)
 
 
 def least_alike(area: float) -> float:
