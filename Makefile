@@ -7,10 +7,10 @@ BIN := .venv/bin
 demo: .venv/library  ## match a generated animal's fragment with the whole; needs no files
 	$(BIN)/sherd demo -o out/demo
 
-# There is a process for each core, so matrix products take one thread in each; what a module's
+# There is a process for each core, so each takes one thread; what a module's
 # tests share is made once.
 test: check  ## format, lint, types, then all tests on all cores
-	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n auto --dist loadscope
+	NUMBA_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n auto --dist loadscope
 
 check: .venv/development
 	$(BIN)/ruff format --check .

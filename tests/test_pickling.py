@@ -10,7 +10,6 @@ import pickle
 from collections.abc import Callable, Mapping
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, fields, is_dataclass
-from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -25,7 +24,7 @@ from sherd.results.fitted.completion import Completion
 from sherd.results.fitted.fit_result import FitCheck, FittedPiece, HiddenRegion
 from sherd.results.locate_result import LocateCheck
 from sherd.results.match_result import MatchCheck
-from sherd.results.overlap_result import SharedMap
+from sherd.results.overlap_result import SharedMap, StrainCurve
 from sherd.results.puzzle.assembly import Contact, Gap, PieceAnswer, SharedPlace
 from sherd.results.puzzle.joined import PairAnswer
 from sherd.shapes.creature import creature
@@ -108,9 +107,27 @@ def basis() -> EigenBasis:
     return eigenbasis(MESH, 5)
 
 
-@cache
+def shared_map() -> SharedMap:
+    mask = np.arange(COUNT) % 2 == 0
+    return SharedMap(surface_points(), mask, mask.astype(float), mask.astype(float))
+
+
 def overlap_result() -> sherd.Overlap:
-    return sherd.overlap(MESH, MESH)
+    made = sherd.Overlap(
+        first=MESH,
+        second=MESH,
+        second_to_first=shared_map(),
+        first_to_second=shared_map(),
+        scale=1.0,
+        status=sherd.Status.GOOD,
+        chance=0.9,
+        curve=StrainCurve((0.1, 0.2), (0.4, 0.5), (0.4, 0.5)),
+        timings={"labels": 1.0},
+        options=sherd.OverlapOptions(landmarks=((1, 2),)),
+        notices={"first": ("repaired",), "second": ()},
+    )
+    _ = made.check()  # computed and kept
+    return made
 
 
 def assembly() -> sherd.Assembly:
@@ -138,8 +155,7 @@ def assembly() -> sherd.Assembly:
 
 
 def joined() -> sherd.Joined:
-    mask = np.arange(COUNT) % 2 == 0
-    there = SharedMap(surface_points(), mask, mask.astype(float), mask.astype(float))
+    there = shared_map()
     return sherd.Joined(
         pieces=(MESH, MESH, MESH),
         groups=((0, 1), (2,)),

@@ -146,4 +146,4 @@ def test_what_is_known_of_places_that_are_taken_does_not_count(pieces, join) -> 
     found = question.labelings.forward
     labeled = question.problems[0].labels.vertices[found.labels[found.placed]]
     assert free[labeled].all()
-    assert 0 <= question.in_full().chance <= 1
+    assert 0 <= question.at_a_glance().chance <= 1
