@@ -35,6 +35,7 @@ class Answer:
     filling: float = 0.0
     in_gap: Answer | None = None
     recognized: float = 0.0
+    at_large: float | None = None
 
 
 def no_twins(first: Union, second: Union) -> None:
@@ -558,14 +559,20 @@ def test_what_looks_like_a_part_of_the_largest_group_belongs_to_it(chance, unpla
     assert asked == [((0, 1), (3,))]
 
 
-@pytest.mark.parametrize(("chance", "unplaced"), [(0.39, []), (0.41, [2])])
+@pytest.mark.parametrize(
+    ("chance", "at_large", "unplaced"),
+    [(0.39, None, []), (0.41, None, [2]), (0.49, 0.33, [2]), (0.49, 0.31, []), (0.39, 0.9, [])],
+)
 def test_what_is_half_likely_somewhere_belongs_without_a_place(
-    chance, unplaced, monkeypatch
+    chance, at_large, unplaced, monkeypatch
 ) -> None:
+    """Of both units in mean, but no likelier than in their own."""
+
     def meet(first: Union, second: Union, known: Ints, taken: Bools | None) -> Any:
         if second.members == (1,):
             return answer(0.95)
-        return answer(0.1, by_skin=chance if (first.members, second.members) == ((0,), (2,)) else 0)
+        once = (first.members, second.members) == ((0,), (2,))
+        return Answer(0.1, by_skin=chance, at_large=at_large) if once else answer(0.1)
 
     monkeypatch.setattr(belonging, "is_within", lambda join: False)
     found = grown(pieces(4), np.ones((4, 4)), ways(meet))

@@ -28,6 +28,7 @@ class Answer:
     by_skin: float = 0.0
     handedness: float = 0.0
     recognized: float = 0.0
+    at_large: float | None = None
 
 
 @dataclass(frozen=True)
@@ -93,7 +94,7 @@ def test_what_has_a_chance_in_its_own_unit_may_be_sure_at_large(sharing, full, l
     """At the same place, however little is shared."""
     sharing(0.05, left)
     found = question(Asked(UNLIKELY, full), SURE).in_full()
-    assert found == (SURE if sure else full)
+    assert replace(found, at_large=None) == (SURE if sure else full)
 
 
 @pytest.mark.parametrize(
@@ -119,7 +120,16 @@ def test_what_has_a_chance_is_asked_at_large_in_full(sharing, left, sure) -> Non
     sharing(0.05, left)
     own = Answer(0.05, by_skin=0.14)
     asked = question(Asked(UNLIKELY, own), UNLIKELY, full=SURE)
-    assert asked.in_full() == (SURE if sure else own)
+    assert asked.in_full() == (SURE if sure else replace(own, at_large=0.9))
+
+
+def test_what_is_not_sure_at_large_is_told_with_what_is_thought_there(sharing) -> None:
+    """By its skin, if that is likelier; of what was asked in full only."""
+    sharing(0.05, 0.0)
+    own, wide = Answer(0.05, by_skin=0.5), Answer(0.1, by_skin=0.3)
+    asked = question(Asked(UNLIKELY, own), UNLIKELY, full=wide)
+    assert asked.in_full() == replace(own, at_large=0.3)
+    assert question(Asked(own, own), None, 1.1).in_full().at_large is None
 
 
 def test_what_fits_better_mirrored_is_not_believed_at_large(sharing) -> None:
@@ -127,7 +137,7 @@ def test_what_fits_better_mirrored_is_not_believed_at_large(sharing) -> None:
     sharing(0.05, 0.0)
     own = Answer(0.05, by_skin=0.22)
     mirrored = Answer(0.81, handedness=-0.64)
-    assert question(Asked(UNLIKELY, own), mirrored).in_full() == own
+    assert question(Asked(UNLIKELY, own), mirrored).in_full() == replace(own, at_large=0.81)
     right = Answer(0.98, handedness=-0.21)
     assert question(Asked(UNLIKELY, own), right).in_full() == right
 

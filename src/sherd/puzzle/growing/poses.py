@@ -107,6 +107,7 @@ def _in_one_of(poses: int, meet: Meet) -> Meet:
             chance=shared(found.chance),
             by_skin=shared(found.by_skin),
             filling=shared(found.filling),
+            at_large=None if found.at_large is None else shared(found.at_large),
         )
 
     return met

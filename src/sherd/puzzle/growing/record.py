@@ -9,7 +9,7 @@ from itertools import combinations
 from sherd.arrays import Bools
 from sherd.puzzle.growing.common_places import crowding, taken_by
 from sherd.puzzle.growing.union import Join, Union
-from sherd.puzzle.pairwise.answer import HALF_LIKELY, Ground, ground_of
+from sherd.puzzle.pairwise.answer import HALF_LIKELY, Ground, chance_to_belong, ground_of
 
 __all__ = [
     "CROWD",
@@ -65,7 +65,7 @@ class Growth:
     filling
         What is by the skin alone if it fills a gap of what is joined at last, with that chance.
     half_likely
-        What was half likely at least, by all or by the skin.
+        What was half likely at least to belong, see `chance_to_belong`.
     recognized
         By the members of both, what of the area that they share is recognized; see `Meeting`.
     in_gaps
@@ -159,7 +159,7 @@ class Growth:
 
         And what is half likely, by which somebody may belong.
         """
-        if max(join.met.chance, join.met.by_skin) >= HALF_LIKELY:
+        if chance_to_belong(join.met) >= HALF_LIKELY:
             self.half_likely.append(join)
         ground, chance = ground_of(join.met)
         if ground == Ground.ALL:

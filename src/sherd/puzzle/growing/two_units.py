@@ -80,7 +80,7 @@ class QuestionInTwoUnits:
         """All places, if none is sure at a glance; in units of the whole where one has a chance.
 
         That counts if it is sure, at the same place as in their own unit, and if its mirror image
-        does not fit clearly better.
+        does not fit clearly better. If not, it is evidence whether they belong together.
         """
         met = self.at_a_glance()
         if met.chance >= JOINED:
@@ -93,7 +93,9 @@ class QuestionInTwoUnits:
         there = self._join(self._wide.in_full())
         sure = there.met.chance >= JOINED and there.met.handedness >= MIRRORED
         sure = sure and left_out(self._join(own), there) <= CROWD
-        return _recognizing(there.met if sure else own, [own, there.met])
+        at_large = max(there.met.chance, there.met.by_skin)
+        found = there.met if sure else replace(own, at_large=at_large)
+        return _recognizing(found, [own, there.met])
 
     @cached_property
     def _own(self) -> PairQuestion:

@@ -7,8 +7,10 @@ from dataclasses import dataclass, replace
 from enum import IntEnum
 
 import numpy as np
+from scipy.special import expit, logit
 
 from sherd.arrays import Bools
+from sherd.correspondence.confidence import LEAST, MOST
 from sherd.correspondence.labels.two_way import Both
 from sherd.correspondence.question import Question
 from sherd.correspondence.shared.judgment import place_chances
@@ -23,6 +25,7 @@ __all__ = [
     "RECOGNIZED",
     "Ground",
     "Meeting",
+    "chance_to_belong",
     "ground_of",
     "one_place",
 ]
@@ -37,7 +40,8 @@ JOINED = 0.78
 LIKELY = 0.5
 # Whose place is as likely as this belongs, at that place or at another one, as places are mistaken
 # for others of the same body: of 641 answers about pieces of one body 49 have 0.4 to 0.78, and 12
-# of these lie wrongly; of 204 about pieces of other species one has (0.56, by its skin).
+# of these lie wrongly; of 204 about pieces of other species one has (0.56, by its skin), and that
+# has nothing in units of the whole, see `chance_to_belong`.
 HALF_LIKELY = 0.4
 # Of whom so much of the group's area is recognized, less what is not, halved, belongs as well.
 # Pieces of other species have 0.0156 at most on 29 groups of all kinds; own ones that were left
@@ -90,6 +94,9 @@ class Meeting:
         what is shared times how much more than a half of it is recognized. With many places this
         goes as the logarithm of the odds that both have one skin. As first laid or slid, and of all
         answers to the same question the most; 0 of what lies within, or where it is little.
+    at_large
+        The likelier of its chance and that by its skin in units of the whole, where the question
+        was asked in full in these, too, and is not sure in them; None if it was not.
     in_gap
         Of all answers to the same question the likeliest that fills so; None if none does.
     """
@@ -107,6 +114,7 @@ class Meeting:
     handedness: float = 0.0
     fills: bool = False
     recognized: float = 0.0
+    at_large: float | None = None
     in_gap: Meeting | None = None
 
 
@@ -123,6 +131,21 @@ def ground_of(met: Meeting) -> tuple[Ground, float]:
     if met.filling >= LIKELY:
         return Ground.GAP, met.filling
     return Ground.NONE, max(met.chance, met.by_skin)
+
+
+def chance_to_belong(met: Meeting) -> float:
+    """The chance that two pieces belong together, wherever they lie: by all or by the skin.
+
+    Where they were asked in units of the whole, too, and are less likely there, the mean of both
+    log odds: both see the same skin, and count as one. A cat's part on a horse has 0.53 by its skin
+    in their own unit and nothing at large, and so have two wrong places of a horse (0.45 and 0.59).
+    More at large proves nothing: what is sure there only may be of another animal.
+    """
+    own = max(met.chance, met.by_skin)
+    if met.at_large is None or met.at_large >= own:
+        return own
+    odds = logit(np.clip([own, met.at_large], LEAST, MOST))
+    return float(expit(odds.mean()))
 
 
 def one_place(answers: Sequence[Meeting]) -> list[Meeting]:
