@@ -14,7 +14,7 @@ from sherd.puzzle.growing.asking import against, common_area
 from sherd.puzzle.growing.common_places import left_out
 from sherd.puzzle.growing.record import CROWD
 from sherd.puzzle.growing.union import Join, Union
-from sherd.puzzle.pairwise.answer import JOINED, Meeting
+from sherd.puzzle.pairwise.answer import JOINED, Meeting, likelier
 from sherd.puzzle.pairwise.meeting import PairQuestion
 from sherd.threads import cached_property
 
@@ -87,14 +87,12 @@ class QuestionInTwoUnits:
             return met
         found = self._own.in_full()
         own = _recognizing(found, [found, met])
-        seen = max(own.chance, own.by_skin) >= SEEN
-        if own.chance >= JOINED or not seen or self._wide is None:
+        if own.chance >= JOINED or likelier(own) < SEEN or self._wide is None:
             return own
         there = self._join(self._wide.in_full())
         sure = there.met.chance >= JOINED and there.met.handedness >= MIRRORED
         sure = sure and left_out(self._join(own), there) <= CROWD
-        at_large = max(there.met.chance, there.met.by_skin)
-        found = there.met if sure else replace(own, at_large=at_large)
+        found = there.met if sure else replace(own, at_large=likelier(there.met))
         return _recognizing(found, [own, there.met])
 
     @cached_property

@@ -27,6 +27,7 @@ __all__ = [
     "Meeting",
     "chance_to_belong",
     "ground_of",
+    "likelier",
     "one_place",
 ]
 
@@ -130,7 +131,12 @@ def ground_of(met: Meeting) -> tuple[Ground, float]:
         return Ground.SKIN, met.by_skin
     if met.filling >= LIKELY:
         return Ground.GAP, met.filling
-    return Ground.NONE, max(met.chance, met.by_skin)
+    return Ground.NONE, likelier(met)
+
+
+def likelier(met: Meeting) -> float:
+    """The chance by all that is seen or by the skin alone, whichever is more."""
+    return max(met.chance, met.by_skin)
 
 
 def chance_to_belong(met: Meeting) -> float:
@@ -141,7 +147,7 @@ def chance_to_belong(met: Meeting) -> float:
     in their own unit and nothing at large, and so have two wrong places of a horse (0.45 and 0.59).
     More at large proves nothing: what is sure there only may be of another animal.
     """
-    own = max(met.chance, met.by_skin)
+    own = likelier(met)
     if met.at_large is None or met.at_large >= own:
         return own
     odds = logit(np.clip([own, met.at_large], LEAST, MOST))
