@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 
 from sherd.correspondence.confidence import LEAST
+from sherd.correspondence.labels.two_way import Both
 from sherd.correspondence.shared.judgment import shared_area, shared_confidence
-from sherd.correspondence.shared.two_way_placement import first_look
+from sherd.correspondence.shared.two_way_placement import SharedPlacement, first_look
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.puzzle.pairwise import meeting as module
 from sherd.puzzle.pairwise.answer import Meeting
@@ -57,6 +58,16 @@ def answered_once() -> Meeting:
     return labeled_once().at_a_glance()
 
 
+@pytest.fixture
+def laid(monkeypatch) -> Both[SharedPlacement]:
+    """Both as they lie at a glance, by whatever labels: what is told from that is tested here."""
+    found = answered_once().placements
+    for name in ("first_look", "looked_closer"):
+        monkeypatch.setattr(module, name, lambda *_, **__: found)
+    monkeypatch.setattr(module, "followed", lambda _, labelings: labelings)
+    return found
+
+
 def likeliest(answers: list[Meeting], _: object) -> Meeting:
     """No mirror image is asked."""
     return max(answers, key=lambda met: met.chance)
@@ -90,12 +101,11 @@ def test_what_comes_back_nowhere_is_not_looked_at_closer(monkeypatch) -> None:
         assert trust.max() < SURE
 
 
-def test_what_may_be_right_its_place_slides_and_is_judged_there(monkeypatch) -> None:
+def test_what_may_be_right_its_place_slides_and_is_judged_there(laid, monkeypatch) -> None:
     """It lies where it slid to if that is likelier, or if reliefs are more alike there."""
-    laid, home = [], []
+    home = []
 
     def slid(_: object, found: Any, **__: float) -> Any:
-        laid.append(found)
         home.append((replace(found[0]), replace(found[1])))
         return home[-1]
 
@@ -116,15 +126,13 @@ def test_what_may_be_right_its_place_slides_and_is_judged_there(monkeypatch) -> 
         )
         found = replace(labeled_once()).in_full()
         assert found.chance == chance
-        assert any(found.placements is each for each in (home if moves else laid))
+        assert found.placements is (home[-1] if moves else laid)
 
 
-def test_what_is_sure_by_its_skin_stays_where_a_slide_would_leave_it(monkeypatch) -> None:
+def test_what_is_sure_by_its_skin_stays_where_a_slide_would_leave_it(laid, monkeypatch) -> None:
     """A slide looks for what is alike and may find it beside the right place."""
-    laid = []
 
     def slid(_: object, found: Any, **__: float) -> Any:
-        laid.append(found)
         return replace(found[0]), replace(found[1])
 
     monkeypatch.setattr(module, "labelings_by_form", lambda *_: [])
@@ -138,22 +146,19 @@ def test_what_is_sure_by_its_skin_stays_where_a_slide_would_leave_it(monkeypatch
     monkeypatch.setattr(module, "chance_where_it_slid", lambda *_: SlidChance(0.3, 0.3))
     found = replace(labeled_once()).in_full()
     assert found.chance == 0.95
-    assert any(found.placements is each for each in laid)
+    assert found.placements is laid
     monkeypatch.setattr(module, "chance_where_it_slid", lambda *_: SlidChance(0.9, 0.9))
     moved = replace(labeled_once()).in_full()
-    assert not any(moved.placements is each for each in laid)
+    assert moved.placements is not laid
 
 
+@pytest.mark.usefixtures("laid")
 def test_what_fills_a_gap_may_be_right_and_is_alike_in_relief(monkeypatch) -> None:
     """What is of another kind may go on all around, and its reliefs are less alike."""
     question = labeled_once()
-    laid = answered_once().placements
-    for name in ("first_look", "looked_closer"):
-        monkeypatch.setattr(module, name, lambda *_, **__: laid)
     monkeypatch.setattr(module, "likeness_of_both", lambda *_: None)
     monkeypatch.setattr(module, "join_features", lambda *_: np.zeros(8))
     monkeypatch.setattr(module, "may_lie_right", lambda _: True)
-    monkeypatch.setattr(module, "followed", lambda _, labelings: labelings)  # labeled once
     monkeypatch.setattr(PairQuestion, "_slid", lambda question, met, _: met)
     for case in ((True, True, True), (False, True, True), (True, False, True), (True, True, False)):
         may_be, alike, all_around = case
@@ -166,13 +171,9 @@ def test_what_fills_a_gap_may_be_right_and_is_alike_in_relief(monkeypatch) -> No
 
 
 def test_how_much_is_recognized_is_told_but_not_of_what_lies_within_or_of_little(
-    monkeypatch,
+    laid, monkeypatch
 ) -> None:
     question = labeled_once()
-    laid = answered_once().placements
-    for name in ("first_look", "looked_closer"):
-        monkeypatch.setattr(module, name, lambda *_, **__: laid)
-    monkeypatch.setattr(module, "followed", lambda _, labelings: labelings)  # labeled once
     monkeypatch.setattr(module, "likeness_of_both", lambda *_: None)
     monkeypatch.setattr(module, "join_features", lambda *_: np.zeros(8))
     monkeypatch.setattr(module, "may_be_right", lambda *_: False)
