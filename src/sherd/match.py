@@ -182,7 +182,8 @@ def match_result(placed: PlacedPart, stages: Stages) -> MatchResult:
         elsewhere=rival is not None,
         twin=twin is not None and twin.score > best.score + _twin_margin(surface),
         unchecked=result.check().failures,
-        unlike=_fits_poorly(trust, share_laid_double(surface, best.deformation)),
+        unlike=_fits_poorly(trust),
+        doubled=_too_much(share_laid_double(surface, best.deformation)),
         scale_unknown=unknown,
         scale_bound=placed.scale if placed.estimate.at_bound else None,
         scale_rival=_scale_rival(placed),
@@ -252,9 +253,14 @@ def _region(question: Question, best: WorkingPlacement, matched: Bools) -> tuple
     return covered_region(full, best.mask, share * float(full.vertex_areas @ best.mask))
 
 
-def _fits_poorly(trust: _Trust, double: float) -> bool:
+def _fits_poorly(trust: _Trust) -> bool:
     sure = float(trust.confidence[trust.matched].mean()) if trust.matched.any() else 0.0
-    return not (sure > POOR and double < DOUBLE)
+    return not sure > POOR
+
+
+def _too_much(double: float) -> float:
+    """The share of a part that is laid double; 0 where it may be noise."""
+    return double if double >= DOUBLE else 0.0
 
 
 def _unit_proposal(template: Template, part: Intake, options: MatchOptions) -> str:

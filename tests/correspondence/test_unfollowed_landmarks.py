@@ -52,3 +52,4 @@ def test_advice_is_that_of_the_status_if_there_is_no_more_to_say() -> None:
     assert Doubts(units="the sizes would fit if ...").status is Status.GOOD
     assert "would fit if" in Doubts(unlike=True, units="the sizes would fit if ...").advice
     assert "check the scale" not in Doubts(unlike=True, scale_unknown=True).advice
+    assert Doubts(doubled=0.26).advice.startswith("doubtful: 26% of the part lie where another")

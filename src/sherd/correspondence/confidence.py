@@ -40,8 +40,10 @@ FOREIGN = 0.65
 # Points of the part farther apart than two of the largest neighborhoods are wide, which come to lie
 # within the size of a label's cell: a right placement has none.
 APART, TOGETHER = 0.2, 0.02
-# What lies together on the full shape lay within three such cells on the part too, along skin that
-# a camera may not have seen: around a gap in its view paths are long, and straight lines are not.
+# What lay within three such cells on the part, too, lies together by itself: inner and outer layer
+# of a bone, or both sides of a gap that a camera left, around which paths along the skin are long.
+# Of halves of two mouse skulls on themselves, laid right, 0.33 and 0.27 are double without this,
+# 0.01 and 0.04 with it. It changes no verdict on 181 placements of animals, right and foreign.
 STRAIGHT = 3 * TOGETHER
 
 
@@ -118,17 +120,17 @@ def share_laid_double(part: DescribedSurface, deformation: Deformation) -> float
     """Share of the part's nodes that lie where another point of the part lies, from 0 to 1.
 
     Two legs laid on one leg have similar neighborhoods and no strain; only this tells. The other
-    side of a thin sheet looks the other way and does not count.
+    side of a thin sheet looks the other way and does not count, nor does another layer that is as
+    near on the part itself.
     """
     positions, own = deformation.positions, part.mesh.vertices
     normals = vertex_normals(positions, part.mesh.faces)
     found = cKDTree(positions).query_ball_point(positions[part.sparse.vertices], TOGETHER)
     nodes, distances = part.sparse.vertices, part.sparse.distances
-    reach = 0.0 if part.viewer is None else STRAIGHT
     double = 0
     for node, row in enumerate(found):
         near = np.asarray(row, dtype=np.int64)
         same_side = normals[near] @ normals[nodes[node]] > 0.5
-        apart = lengths(own[near] - own[nodes[node]]) >= reach
+        apart = lengths(own[near] - own[nodes[node]]) >= STRAIGHT
         double += bool((same_side & apart & (distances[node, near] > APART)).any())
     return double / len(nodes)

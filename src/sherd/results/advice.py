@@ -59,6 +59,8 @@ class Doubts:
         What did not pass the check that is re-derived from the meshes; nothing if it passed.
     unlike
         Whether another shape would fit about as well.
+    doubled
+        Share of the part that is laid where another place of it is, if that is too much.
     scale_unknown
         Whether the scale was estimated.
     scale_bound
@@ -82,6 +84,7 @@ class Doubts:
     twin: bool = False
     unchecked: str = ""
     unlike: bool = False
+    doubled: float = 0.0
     scale_unknown: bool = False
     scale_bound: float | None = None
     scale_rival: float | None = None
@@ -100,6 +103,7 @@ class Doubts:
             or self.twin
             or self.unchecked
             or self.unlike
+            or self.doubled > 0
             or self.scale_bound is not None
             or self.scale_rival is not None
             or self.unfollowed
@@ -151,6 +155,11 @@ class Doubts:
             said.append(
                 "its mirror image fits better than the part itself; look at the alternative, or "
                 "give landmarks on one side"
+            )
+        if self.doubled > 0:
+            said.append(
+                f"{self.doubled:.0%} of the part lie where another place of it does, as two legs "
+                "on one leg or two layers on one; look at it in the report, or give landmarks"
             )
         if self.unchecked:
             said.append(f"the answer does not pass its check: {self.unchecked}")
