@@ -12,7 +12,8 @@ from sherd.puzzle.answers import AssemblyQuestion, Decision, assembly_of
 from sherd.puzzle.borders import bordering, cut_apart
 from sherd.puzzle.further_trials import trials_again
 from sherd.puzzle.partition import Partition
-from sherd.puzzle.trials import chosen_together, rigid_trials, trials_alone
+from sherd.puzzle.rigid.rigid_trials import rigid_trials
+from sherd.puzzle.trials import chosen_together, trials_alone
 from sherd.results.keywords import options_of
 from sherd.results.match_options import MatchOptions
 from sherd.results.puzzle.assemble_options import AssembleKeywords, AssembleOptions
@@ -76,7 +77,8 @@ def assemble(
 
     Notes
     -----
-    Each piece is placed once, and again where it clashes with others or is torn between places.
+    Each piece is placed once, and again where it clashes with others or is torn between places. A
+    rigid one is brought to the three places where it fits most closely.
 
     References
     ----------
@@ -100,11 +102,16 @@ def assemble(
     template = as_template(full)
     partition = Partition(template.placed)
     asked = MatchOptions(side=options.side, seed=options.seed)
-    trials, impossible = trials_alone(template, intakes, asked, stages, partition)
-    trials += trials_again(template, trials, len(intakes), stages, may_overlap=options.may_overlap)
+    if options.rigid:
+        trials, impossible = rigid_trials(
+            template, intakes, asked, options.tolerance, stages, partition
+        )
+    else:
+        trials, impossible = trials_alone(template, intakes, asked, stages, partition)
+        trials += trials_again(
+            template, trials, len(intakes), stages, may_overlap=options.may_overlap
+        )
     with stages("joint choice"):
-        if options.rigid:
-            trials = rigid_trials(trials, options.tolerance)
         chosen, energy = chosen_together(
             trials, len(intakes), template.placed.vertex_areas, may_overlap=options.may_overlap
         )

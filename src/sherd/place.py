@@ -47,8 +47,8 @@ from sherd.surface.template import Template
 from sherd.threads import begun
 
 __all__ = [
-    "VIEWED_MARGIN", "LabeledPart", "PlacedPart", "labeled_again", "labeled_part", "laid_part",
-    "placed_part",
+    "VIEWED_MARGIN", "AskedPart", "LabeledPart", "PlacedPart", "asked_part", "labeled_again",
+    "labeled_part", "laid_part", "placed_part",
 ]  # fmt: skip
 
 # In sqrt(area), of a part whose scale is unknown: whatever its file says, it is described as if it
@@ -162,6 +162,30 @@ def labeled_part(
     template: Template, part: Intake, options: MatchOptions, stages: Stages, *, twin: bool
 ) -> LabeledPart:
     """The part described, and labeled once; parameters as in :func:`placed_part`."""
+    rng, twin_rng = _generators(options)
+    asked, waiting = asked_part(template, part, options, rng, stages)
+    mirror: Callable[[], WorkingPlacement | None] = _no_twin
+    if twin:
+        mirror = begun(lambda: mirrored_placement(asked.question, waiting(), twin_rng))
+    return _labeled(asked, waiting, mirror, rng, stages)
+
+
+def asked_part(
+    template: Template,
+    part: Intake,
+    options: MatchOptions,
+    rng: np.random.Generator,
+    stages: Stages,
+) -> tuple[AskedPart, Callable[[], Queries]]:
+    """The part described, its size known, and what waits for what looks for similar places.
+
+    Parameters
+    ----------
+    template, part, options, stages
+        As in :func:`placed_part`.
+    rng
+        What is drawn.
+    """
     unknown = options.scale == "unknown"
     check_hints(template.intake, part, options)
     if unknown:
@@ -170,7 +194,6 @@ def labeled_part(
         check_sizes(template.intake.mesh, part.mesh, factor=options.factor, options=True)
     kept, kept_vertices = without_ignored(part, options)
     pins = pins_of(template, part, kept_vertices, options)
-    rng, twin_rng = _generators(options)
     unit = kept.length / TRIAL_SIZE if unknown else template.length / options.factor
     surface = _both_described(template, partial(_described, kept, unit, pins), stages)
     comparison = UNKNOWN_SCALE if unknown else SAME_SCALE
@@ -184,9 +207,6 @@ def labeled_part(
             surface = _described(kept, unit, pins)
             question = question.with_part(surface)
         waiting = begun(partial(described_queries, question, query_vertices(question, rng)))
-    mirror: Callable[[], WorkingPlacement | None] = _no_twin
-    if twin:
-        mirror = begun(lambda: mirrored_placement(question, waiting(), twin_rng))
     asked = AskedPart(
         template=template,
         part=part,
@@ -197,7 +217,7 @@ def labeled_part(
         estimate=estimate,
         scale=scale,
     )
-    return _labeled(asked, waiting, mirror, rng, stages)
+    return asked, waiting
 
 
 def labeled_again(placed: PlacedPart, free: Bools, stages: Stages) -> LabeledPart:

@@ -16,6 +16,7 @@ from sherd.puzzle.border import REACH, border_of
 from sherd.puzzle.borders import fits_of
 from sherd.puzzle.joint_choice import shared_areas
 from sherd.puzzle.partition import GAP, Partition
+from sherd.puzzle.rigid.rigid_answer import rigid_answer
 from sherd.puzzle.trials import CLASH, Trial, clashes
 from sherd.region.coverage import smoothed
 from sherd.results.advice import SURE
@@ -83,7 +84,8 @@ def assembly_of(question: AssemblyQuestion, decision: Decision, stages: Stages) 
     """The answer, once it is known which pieces are placed, and where."""
     template, placed = question.template, decision.placed
     answers = [
-        _answer(piece, intake, decision, stages) for piece, intake in enumerate(question.pieces)
+        _answer(piece, intake, decision, question.options, stages)
+        for piece, intake in enumerate(question.pieces)
     ]
     with stages("partition"):
         numbers = np.array([*placed, GAP], dtype=np.int64)
@@ -110,23 +112,25 @@ def assembly_of(question: AssemblyQuestion, decision: Decision, stages: Stages) 
         )
 
 
-def _answer(piece: int, intake: Intake, decision: Decision, stages: Stages) -> PieceAnswer:
+def _answer(
+    piece: int, intake: Intake, decision: Decision, options: AssembleOptions, stages: Stages
+) -> PieceAnswer:
     if piece in decision.impossible:
         reason = decision.impossible[piece]
         return PieceAnswer(intake.original, placed=False, reason=reason, chance=0.0)
     if piece in decision.placed:
-        result = match_result(_beside_others(piece, decision.placed), stages)
-        motion = decision.chosen[piece].motion
+        trial = replace(decision.chosen[piece], placed=_beside_others(piece, decision.placed))
+        result = _result(trial, options, stages)
         return PieceAnswer(
             result.part,
             placed=True,
-            reason=_place_words(result, decision.chosen[piece].chance),
-            chance=decision.chosen[piece].chance,
+            reason=_place_words(result, trial.chance),
+            chance=trial.chance,
             match=result,
-            transform=None if motion is None else motion.matrix,
+            transform=None if trial.motion is None else trial.motion.matrix,
         )
     alone = next(trial for trial in decision.trials if trial.piece == piece)
-    result = match_result(alone.placed, stages)
+    result = _result(alone, options, stages)
     instead = None if result.status is Status.FOREIGN else _rival(alone, decision.chosen)
     return PieceAnswer(
         result.part,
@@ -136,6 +140,14 @@ def _answer(piece: int, intake: Intake, decision: Decision, stages: Stages) -> P
         match=result,
         instead=instead,
     )
+
+
+def _result(trial: Trial, options: AssembleOptions, stages: Stages) -> MatchResult:
+    """What a match would say of the piece where it lies, rigid or not."""
+    result = match_result(trial.placed, stages)
+    if trial.motion is None:
+        return result
+    return rigid_answer(result, trial.motion, trial.placed.chance, options.tolerance)
 
 
 def _beside_others(piece: int, placed: Mapping[int, PlacedPart]) -> PlacedPart:

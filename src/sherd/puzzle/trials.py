@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -17,7 +17,7 @@ from sherd.puzzle.border import border_of
 from sherd.puzzle.company import choice_in_company
 from sherd.puzzle.joint_choice import Candidate, shared_areas
 from sherd.puzzle.partition import Partition
-from sherd.puzzle.rigid import RigidMotion, rigidly_placed
+from sherd.puzzle.rigid.motion import RigidMotion
 from sherd.results.advice import SURE
 from sherd.results.match_options import MatchOptions
 from sherd.scan.either_side import SURE_BULGE, better_side
@@ -31,7 +31,8 @@ __all__ = [
     "Trial",
     "chosen_together",
     "clashes",
-    "rigid_trials",
+    "each_tried",
+    "sure_of_side",
     "trial_chance",
     "trials_alone",
     "trials_of",
@@ -117,15 +118,24 @@ def trials_alone(
     partition: Partition,
 ) -> tuple[list[Trial], dict[int, str]]:
     """Each piece placed as if it were alone; of those that cannot lie there, the reason."""
+
+    def tried(piece: int, intake: Intake) -> list[Trial]:
+        return trials_of(piece, _placed(template, intake, options, stages), partition)
+
+    return each_tried(intakes, tried)
+
+
+def each_tried(
+    intakes: Sequence[Intake], tried: Callable[[int, Intake], list[Trial]]
+) -> tuple[list[Trial], dict[int, str]]:
+    """The trials of all pieces; of those that cannot lie on the full shape, the reason."""
     found: list[Trial] = []
     refused: dict[int, str] = {}
     for piece, intake in enumerate(intakes):
         try:
-            placed = _placed(template, intake, options, stages)
+            found += tried(piece, intake)
         except InfeasibleError as error:
             refused[piece] = str(error)
-        else:
-            found += trials_of(piece, placed, partition)
     return found, refused
 
 
@@ -211,11 +221,6 @@ def _placed(
 ) -> PlacedPart:
     """The piece placed, on the other side too where that may be outside."""
 
-    def sure(part: Intake, placed: PlacedPart) -> bool:
-        if placed.chance < SURE:
-            return part.side_known and len(part.mesh.boundary_vertices) == 0
-        return part.side_known or bulge(part.mesh) >= SURE_BULGE
-
     def turned(part: Intake, found: PlacedPart) -> PlacedPart | None:
         labeled = labeled_part(template, part, options, stages, twin=False)
         lost = labeled.energy > LOST * found.labeling_energy
@@ -226,9 +231,16 @@ def _placed(
         options.side,
         lambda side: placed_part(template, side, options, stages, twin=False),
         score=lambda placed: placed.best.score,
-        sure=sure,
+        sure=lambda part, placed: sure_of_side(part, placed.chance),
         rival=turned,
     )
+
+
+def sure_of_side(part: Intake, chance: float) -> bool:
+    """Whether a piece that lies where it does with this chance need not be turned over."""
+    if chance < SURE:
+        return part.side_known and len(part.mesh.boundary_vertices) == 0
+    return part.side_known or bulge(part.mesh) >= SURE_BULGE
 
 
 def trial_chance(chance: float, score: float) -> float:
@@ -236,19 +248,6 @@ def trial_chance(chance: float, score: float) -> float:
     logit = float(np.log(chance / (1.0 - chance)))  # a chance is never 0 or 1
     exponent = np.array([1.0, logit, score]) @ np.array(COEFFICIENTS)
     return float(np.clip(1.0 / (1.0 + np.exp(-exponent)), LEAST, MOST))
-
-
-def rigid_trials(trials: Sequence[Trial], tolerance: float) -> list[Trial]:
-    """The same with placements that only turn and shift the pieces.
-
-    The chance of each is multiplied by the share of the piece that then lies on the full shape.
-    """
-    found = []
-    for trial in trials:
-        placed, motion, share = rigidly_placed(trial.placed, tolerance)
-        chance = trial.chance * share
-        found.append(trial_at(trial.piece, placed, trial.partition, chance, motion))
-    return found
 
 
 def trials_of(piece: int, placed: PlacedPart, partition: Partition) -> list[Trial]:

@@ -1,0 +1,1 @@
+"""Rigid pieces: motions that neighborhoods vote for, fitted to the surface and judged there."""

@@ -1,0 +1,170 @@
+"""A rigid piece drawn to the full shape from where it was laid, and how well it fits there.
+
+Closest points are found and the motion is fitted to them, as in Besl and McKay, *A method for
+registration of 3-D shapes*, 1992, by planes (Chen and Medioni, *Object modelling by registration of
+multiple range images*, 1992), so that convergence is quadratic where a piece fits exactly. What is
+farther off than the tolerance is worn, and counts less and less.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from sherd.arrays import Floats
+from sherd.mesh.surface_finder import SurfaceFinder
+from sherd.mesh.triangle_mesh import TriangleMesh
+from sherd.puzzle.rigid.motion import RigidMotion, turned_by
+from sherd.surface.described import DescribedSurface
+
+__all__ = ["LOOKS_ALIKE", "Probe", "SurfaceFit", "drawn_to_surface", "drawn_to_vertices", "fit_of"]
+
+# Quadratic convergence needs five or six; a worn piece with sliding contact takes more, and what
+# does not fit slides on for ever.
+ROUNDS, FEW_ROUNDS = 60, 12
+# Steps below this are rounding, in sqrt(area) and radians; a piece that fits exactly gets there by
+# quadratic convergence. Others slide on the noise of their meshes for dozens of rounds: steps below
+# what is exact that are no longer a tenth of the last one gain nothing.
+ROUNDING, STILL = 1e-14, 0.1
+# Keeps the system definite where a piece can slide on itself, as a sphere does.
+DAMPING = 1e-9
+# What is farther off counts less, in turn, in units of the tolerance: votes are off by a label or
+# two, and places that do not fit are left alone by then.
+LIMITS, ROUNDS_EACH = (4.0, 2.0, 1.0, 0.5), 6
+# At last what is off by more than this, in units of the tolerance, counts less: rims of fractures
+# are within the tolerance, and turn a sherd by half a degree.
+LAST_LIMIT = 1 / 8
+# A surface lies on another one where normals agree to 60 degrees: a face of fracture does not.
+LOOKS_ALIKE = 0.5
+# In sqrt(area): no scan is exact to this, and coordinates in single precision are not.
+EXACT = 1e-5
+
+
+@dataclass(frozen=True, eq=False)
+class SurfaceFit:
+    """How a piece fits where a motion brings it.
+
+    Attributes
+    ----------
+    motion
+        From the part's frame to that of the full shape.
+    share
+        Of the piece's area that lies on the full shape: within the tolerance, and looking its way.
+    distance
+        Geometric mean, by area, of how far it is off, in sqrt(area); what does not lie there
+        counts as off by the tolerance. So a surface that is the same stands out from one that is
+        near, however much of the piece is fracture, which fits nowhere.
+    """
+
+    motion: RigidMotion
+    share: float
+    distance: float
+
+
+@dataclass(frozen=True, eq=False)
+class Probe:
+    """Points of a piece that say where it lies.
+
+    Attributes
+    ----------
+    points, normals
+        (p, 3) in the part's frame, in sqrt(area of the full shape).
+    areas
+        (p,) what each stands for.
+    """
+
+    points: Floats
+    normals: Floats
+    areas: Floats
+
+    @classmethod
+    def of(cls, mesh: TriangleMesh, count: int, rng: np.random.Generator) -> Probe:
+        """`count` vertices of a mesh, drawn at random, or all if it has no more."""
+        chosen = mesh.used_vertices
+        if len(chosen) > count:
+            chosen = np.sort(rng.choice(chosen, count, replace=False))
+        return cls(mesh.vertices[chosen], mesh.vertex_normals[chosen], mesh.vertex_areas[chosen])
+
+
+def drawn_to_vertices(
+    motion: RigidMotion, probe: Probe, full: DescribedSurface, tolerance: float
+) -> RigidMotion:
+    """The motion by the planes of the nearest vertices of the full shape: near enough to judge it.
+
+    Parameters
+    ----------
+    full
+        The full shape, whose unit of length is that of `tolerance`.
+    """
+    planes, places = full.mesh.vertex_normals, full.mesh.vertices
+    for limit in LIMITS:
+        for _ in range(ROUNDS_EACH):
+            here = motion(probe.points)
+            distance, nearest = full.vertex_tree.query(here)
+            plane = planes[nearest]
+            same = np.einsum("ij,ij->i", probe.normals @ motion.rotation.T, plane) > LOOKS_ALIKE
+            weights = same / (1 + (distance / (limit * tolerance)) ** 2) ** 2
+            motion = _stepped(motion, here, places[nearest], plane, weights)[0]
+    return motion
+
+
+def drawn_to_surface(
+    motion: RigidMotion,
+    probe: Probe,
+    finder: SurfaceFinder,
+    tolerance: float,
+    *,
+    rounds: int = ROUNDS,
+) -> RigidMotion:
+    """The motion by closest points, until it stands still or for so many rounds, twice."""
+    for limit in (1.0, LAST_LIMIT):
+        motion = _standing_still(motion, probe, finder, limit * tolerance, rounds)
+    return motion
+
+
+def _standing_still(
+    motion: RigidMotion, probe: Probe, finder: SurfaceFinder, limit: float, rounds: int
+) -> RigidMotion:
+    """The motion by closest points, those that are farther off than the limit counting less."""
+    full, last = finder.mesh, np.inf
+    for _ in range(rounds):
+        here, normals = motion(probe.points), probe.normals @ motion.rotation.T
+        points = finder.closest(here, normals)
+        foot, plane = points.positions(full), full.face_normals[points.faces]
+        distance = np.linalg.norm(here - foot, axis=1)
+        same = np.einsum("ij,ij->i", normals, plane) > LOOKS_ALIKE
+        weights = probe.areas * same / (1 + (distance / limit) ** 2) ** 2
+        motion, step = _stepped(motion, here, foot, plane, weights)
+        if step < ROUNDING or STILL * last < step < EXACT:
+            break
+        last = step
+    return motion
+
+
+def fit_of(
+    motion: RigidMotion, probe: Probe, finder: SurfaceFinder, tolerance: float
+) -> SurfaceFit:
+    """How well a piece fits where the motion brings it."""
+    here, normals = motion(probe.points), probe.normals @ motion.rotation.T
+    points = finder.closest(here, normals)
+    off = np.linalg.norm(here - points.positions(finder.mesh), axis=1)
+    alike = np.einsum("ij,ij->i", normals, finder.mesh.face_normals[points.faces]) > LOOKS_ALIKE
+    lies = alike & (off <= tolerance)
+    counted = np.where(lies, np.maximum(off, EXACT), tolerance)
+    return SurfaceFit(
+        motion,
+        float(probe.areas @ lies / probe.areas.sum()),
+        float(np.exp(np.average(np.log(counted), weights=probe.areas))),
+    )
+
+
+def _stepped(
+    motion: RigidMotion, here: Floats, foot: Floats, plane: Floats, weights: Floats
+) -> tuple[RigidMotion, float]:
+    """One step toward the planes through points (p, 3), and its largest entry."""
+    lever = np.concatenate([np.cross(here, plane), plane], axis=1)
+    system = lever.T @ (weights[:, None] * lever)
+    system += (DAMPING * np.trace(system) + 1e-300) * np.eye(6)
+    step = -np.linalg.solve(system, lever.T @ (weights * ((here - foot) * plane).sum(axis=1)))
+    return RigidMotion(turned_by(step[:3]), step[3:]).after(motion), float(np.abs(step).max())
