@@ -93,6 +93,18 @@ def test_a_sherd_of_another_bowl_is_refused(answer) -> None:
     assert found.pieces[2].match.status is Status.FOREIGN
 
 
+def test_what_fits_all_around_is_refused_with_the_reason() -> None:
+    """A piece of a plain tube belongs, but nothing says where."""
+    tube = trimesh.creation.cylinder(radius=1.0, height=3.0, sections=60)
+    tube = trimesh.Trimesh(*trimesh.remesh.subdivide_to_size(tube.vertices, tube.faces, 0.15))
+    middles = tube.vertices[tube.faces].mean(axis=1)
+    full = TriangleMesh(tube.vertices, tube.faces)
+    piece, _ = full.submesh((middles[:, 0] > 0.2) & (np.abs(middles[:, 2]) < 0.9))
+    (answer,) = sherd.assemble(full, [piece], rigid=True).pieces
+    assert not answer.placed
+    assert "in several places" in answer.reason
+
+
 def test_a_place_is_sure_if_nothing_else_fits_as_closely() -> None:
     near, far = 0.0002, 0.0015
     assert rigid_chance(near, [far, far], TOLERANCE) > 0.95

@@ -17,6 +17,7 @@ from sherd.puzzle.borders import fits_of
 from sherd.puzzle.joint_choice import shared_areas
 from sherd.puzzle.partition import GAP, Partition
 from sherd.puzzle.rigid.rigid_answer import rigid_answer
+from sherd.puzzle.rigid.rigid_trials import RigidPart
 from sherd.puzzle.trials import CLASH, Trial, clashes
 from sherd.region.coverage import smoothed
 from sherd.results.advice import SURE
@@ -135,7 +136,7 @@ def _answer(
     return PieceAnswer(
         result.part,
         placed=False,
-        reason=_refusal(alone.chance, instead),
+        reason=_refusal(alone, instead),
         chance=alone.chance,
         match=result,
         instead=instead,
@@ -182,14 +183,19 @@ def _rival(alone: Trial, chosen: Mapping[int, Trial]) -> int | None:
     return max(rivals, key=lambda k: float(areas @ (core & chosen[k].candidate.core)), default=None)
 
 
-def _refusal(chance: float, instead: int | None) -> str:
+def _refusal(alone: Trial, instead: int | None) -> str:
     if instead is not None:
         return (
             f"fits only where piece {instead} lies, which fits better; elsewhere nothing is alike "
             "enough"
         )
+    if isinstance(alone.placed, RigidPart) and alone.placed.anywhere:
+        return (
+            "fits about as closely in several places, so none is told: what is round fits all "
+            "around, and so does a piece of another such thing; larger pieces may tell"
+        )
     return (
-        f"does not belong: the chance that its best place is right is {chance:.2f}; ask with "
+        f"does not belong: the chance that its best place is right is {alone.chance:.2f}; ask with "
         "another full shape, or look at it alone with sherd match"
     )
 

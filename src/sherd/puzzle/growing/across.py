@@ -104,7 +104,7 @@ def on_its_twin(body: Body, second: TriangleMesh) -> MatchResult | None:
     None where it cannot be, where it would rather lie there as it is, and where it covers so much
     that no body is left that could have two sides.
     """
-    found = body.matched(mirrored_mesh(second))
+    found = body.image_matched(second)
     if found is None:
         return None
     as_it_is = found.twin_score

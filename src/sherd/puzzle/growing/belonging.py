@@ -17,7 +17,6 @@ from sherd.puzzle.growing.record import Growth, undisputed
 from sherd.puzzle.growing.union import Union
 from sherd.puzzle.pairwise.answer import LIKELY, RECOGNIZED
 from sherd.puzzle.pairwise.body import Body
-from sherd.surface.transformed import mirrored_mesh
 from sherd.threads import one_blas_thread
 
 __all__ = ["belonging", "chance_as_a_part"]
@@ -118,5 +117,5 @@ def chance_as_a_part(body: Body, second: TriangleMesh) -> float:
     0.62 and more, a cat's tail 0.19; 71 of other species 0.46 at most (a horse's leg on a man, the
     next 0.37), five of other animals of the same kind 0.29.
     """
-    asked = (body.matched(each) for each in (second, mirrored_mesh(second)))
+    asked = (body.matched(second), body.image_matched(second))
     return max((found.chance or 0.0 for found in asked if found is not None), default=0.0)

@@ -96,9 +96,10 @@ def with_twins(groups: Sequence[Union], asking: Asking, growth: Growth) -> list[
         largest, *others = largest_first(found)
         if len(largest.members) == 1:
             return found
-        asked = growth.asked_across
-        others = [other for other in others if (largest.members, other.members) not in asked]
-        asked |= {(largest.members, other.members) for other in others}
+        others = [
+            other for other in others if (largest.members, other.members) not in growth.asked_across
+        ]
+        growth.asked_across |= {(largest.members, other.members) for other in others}
         answers = [(other, asking.across(largest, other)) for other in others]
         claims = [
             (other, Join(largest, other, met))

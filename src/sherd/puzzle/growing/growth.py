@@ -240,10 +240,13 @@ def _loop_closes(one: Join, other: Join, meet: Meet, growth: Growth) -> bool:
         return True
     # what both say of the third says where they lie on each other: is it the same skin there?
     pairs = laid_alike(one, other) if first is one.second else laid_alike(other, one)
-    if not len(pairs):
-        return False
-    there = Join(first, second, meet(first, second, pairs, None))
-    return there.met.by_skin >= LIKELY and open_loop([one, other, there]) < LOOP
+    if len(pairs):
+        there = Join(first, second, meet(first, second, pairs, None))
+        if there.met.by_skin >= LIKELY and open_loop([one, other, there]) < LOOP:
+            return True
+    if aside is not None:
+        unless_strangers(aside, growth)  # what nothing confirms is forgotten
+    return False
 
 
 def _elsewhere(

@@ -76,7 +76,7 @@ class Meeting:
     twin
         Whether what they share is laid on its twin, as a left leg on a right one.
     by_skin
-        The chance by the skin alone that is shared where it slid to; 0 where nothing slid.
+        The chance by the skin alone that is shared where it lies; 0 where that was not asked.
     fitting
         That by all but reliefs.
     filling
@@ -97,7 +97,7 @@ class Meeting:
         answers to the same question the most; 0 of what lies within, or where it is little.
     at_large
         The likelier of its chance and that by its skin in units of the whole, where the question
-        was asked in full in these, too, and is not sure in them; None if it was not.
+        was asked in full in these, too, and does not count in them; None if it was not.
     in_gap
         Of all answers to the same question the likeliest that fills so; None if none does.
     """

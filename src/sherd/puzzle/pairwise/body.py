@@ -22,6 +22,7 @@ from sherd.scan.intake import scan_intake
 from sherd.surface.described import DescribedSurface
 from sherd.surface.prepared import described_part
 from sherd.surface.template import Template
+from sherd.surface.transformed import mirrored_mesh
 from sherd.threads import cached_property
 
 __all__ = ["Body", "Told"]
@@ -79,6 +80,16 @@ class Body:
             )
         except InfeasibleError:
             return None
+
+    def image_matched(self, second: TriangleMesh) -> MatchResult | None:
+        """The same of the mirror image of a surface; asked more than once, found once."""
+        if second not in self._images:
+            self._images[second] = self.matched(mirrored_mesh(second))
+        return self._images[second]
+
+    @cached_property
+    def _images(self) -> dict[TriangleMesh, MatchResult | None]:
+        return {}
 
     def met(self, second: TriangleMesh, told: Told) -> Meeting:
         """Both laid on each other where that is told; the chance is not known yet."""

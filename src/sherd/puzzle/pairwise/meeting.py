@@ -278,9 +278,6 @@ class PairQuestion:
         neither makes it likelier nor reliefs more alike, at a width finer than those it slides by.
         """
         found = slid(met.questions, met.placements, strain=OverlapOptions().strain)
-        if not share_something(found):
-            sure = skin.chance >= JOINED > met.chance
-            return _judged(met, skin) if sure else replace(met, by_skin=skin.by_skin)
         met = replace(met, recognized=max(met.recognized, self._recognized(found)))
         likeness = likeness_of_both(met.questions, found)
         said = chance_where_it_slid(met.chance, met.questions, found, likeness)

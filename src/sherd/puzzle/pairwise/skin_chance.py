@@ -89,7 +89,7 @@ TURNED = 0.5
 
 @dataclass(frozen=True)
 class SlidChance:
-    """What is thought of an answer where it slid to.
+    """What is thought of an answer by its skin, where it was laid or where it slid to.
 
     Attributes
     ----------
@@ -103,9 +103,10 @@ class SlidChance:
     filling
         That by the skin alone if it fills a gap.
     alike
-        Whether reliefs are as alike as they must be.
+        Whether reliefs are as alike as they must be; asked where it was laid only.
     turned
-        Whether it lies on its twin: within the other, with reliefs alike, but more like mirrored.
+        Likewise, whether it lies on its twin: within the other, with reliefs alike, but more like
+        mirrored.
     """
 
     chance: float

@@ -28,14 +28,14 @@ from sherd.puzzle.rigid.surface_fit import (
 )
 from sherd.puzzle.rigid.voting import voted_motions
 from sherd.puzzle.trials import Trial, each_tried, sure_of_side, trial_at
-from sherd.results.advice import FOREIGN
+from sherd.results.advice import FOREIGN, SURE
 from sherd.results.match_options import MatchOptions
 from sherd.scan.either_side import better_side
 from sherd.scan.intake import Intake
 from sherd.surface.described import DescribedSurface
 from sherd.surface.template import Template
 
-__all__ = ["rigid_chance", "rigid_trials"]
+__all__ = ["RigidPart", "rigid_chance", "rigid_trials"]
 
 # Motions that are drawn to the nearest vertices, by so few vertices of the piece, 0.02 s each. With
 # 40 one of seven sherds of a vase was not found, with 80 all were.
@@ -67,9 +67,12 @@ class RigidPart(PlacedPart):
     ----------
     rigid_chance
         That the place is right, in [0, 1].
+    anywhere
+        Whether it fits closely, but about as closely in several other places.
     """
 
     rigid_chance: float
+    anywhere: bool
 
     @property
     def chance(self) -> float:
@@ -171,11 +174,15 @@ def _places(
             chance = rigid_chance(fit.distance, elsewhere, tolerance)
             if fit is best[0] or chance >= FOREIGN:
                 motion = drawn_to_surface(fit.motion, last, full.own_finder, tolerance)
-                found.append(_laid(asked, queries(), replace(fit, motion=motion), chance))
+                found.append(
+                    _laid(asked, queries(), replace(fit, motion=motion), chance, tolerance)
+                )
         return found
 
 
-def _laid(asked: AskedPart, queries: Queries, fit: SurfaceFit, chance: float) -> _Laid:
+def _laid(
+    asked: AskedPart, queries: Queries, fit: SurfaceFit, chance: float, tolerance: float
+) -> _Laid:
     """The piece seen where it fits, as any placement is."""
     question, motion = asked.question, fit.motion
     own = question.part.placed
@@ -197,6 +204,7 @@ def _laid(asked: AskedPart, queries: Queries, fit: SurfaceFit, chance: float) ->
         twin=None,
         labeling_energy=0.0,
         rigid_chance=chance,
+        anywhere=chance < SURE <= rigid_chance(fit.distance, (), tolerance),
     )
     return _Laid(placed, _in_files(motion, placed), fit)
 

@@ -30,7 +30,7 @@ class PairAnswer:
     evidence
         Share of a few nodes that are worth more than chance on the other piece, in [0, 1]; cheap.
     asked
-        Whether they were on different sides of a full question, alone or with their groups.
+        Whether they were on different sides of a question, alone or with their groups.
     chance
         The highest of these, that what both sides share was found rightly; 0 if not asked.
     joined
