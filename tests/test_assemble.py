@@ -131,7 +131,8 @@ def test_rigid_pieces_come_home_to_rounding() -> None:
     rng = np.random.default_rng(8)
     cut = puzzle_pieces(full, [full, full, full])
     there = [moved(piece, rng) for piece in cut]
-    answer = sherd.assemble(full, [piece.mesh for piece in there], rigid=True)
+    # whatever is worn, what fits exactly does
+    answer = sherd.assemble(full, [piece.mesh for piece in there], rigid=True, tolerance=1e-4)
     assert answer.placed == (0, 1, 2)
     for before, after, found in zip(cut, there, answer.pieces, strict=True):
         turn, shift = found.transform[:3, :3], found.transform[:3, 3]

@@ -209,7 +209,8 @@ def test_a_scan_in_shreds_finds_its_place_more_often_than_not(template: Template
         known = Fragment(mended, truth, scan.full, scan.present[report.original_vertices])
         result = match(template, mended)
         means.append(errors(known, result.points).mean())
-        assert result.status is not Status.GOOD
+        # what puts patches elsewhere is 0.05 off, and a good one up to 0.02
+        assert result.status is not Status.GOOD or means[-1] < 0.03
     assert np.median(means) < 0.045  # three edges
 
 

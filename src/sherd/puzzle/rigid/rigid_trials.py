@@ -54,6 +54,8 @@ PLACES = 2
 # or on another vase of that form, by 0.0006 and more, mostly 0.001 to 0.005. So what is off by an
 # eighth of the tolerance, 0.0019, may be either, and a factor of e^0.5 decides.
 FINE, SHARPNESS = 1 / 8, 0.25
+# As meshes themselves are off by 0.0004, no smaller tolerance than this is asked for.
+LEAST_TOLERANCE = 0.005
 # Right places fit 3 to 20 times as closely as what fits by accident; sherds of another vase of the
 # same form 1.0 to 1.4 times, as a form that is round fits alike all around.
 BESIDE_ACCIDENT, SHARPNESS_BESIDE = 2.0, 0.1
@@ -97,7 +99,7 @@ def rigid_trials(
     stages: Stages,
     partition: Partition,
 ) -> tuple[list[Trial], dict[int, str]]:
-    """Each rigid piece where it fits best, up to three places; of those that cannot, the reason.
+    """Each rigid piece where it fits best, and at its twin; of those that cannot, the reason.
 
     Parameters
     ----------
@@ -106,6 +108,7 @@ def rigid_trials(
     tolerance
         What is farther off is worn, in sqrt(area of the full shape).
     """
+    tolerance = max(tolerance, LEAST_TOLERANCE)
 
     def tried(piece: int, intake: Intake) -> list[Trial]:
         found = better_side(

@@ -29,9 +29,9 @@ ROUNDS, FEW_ROUNDS = 60, 12
 ROUNDING, STILL = 1e-14, 0.1
 # Keeps the system definite where a piece can slide on itself, as a sphere does.
 DAMPING = 1e-9
-# What is farther off counts less, in turn, in units of the tolerance: votes are off by a label or
-# two, and places that do not fit are left alone by then.
-LIMITS, ROUNDS_EACH = (4.0, 2.0, 1.0, 0.5), 6
+# What is farther off counts less, in turn, in sqrt(area), but not what is within half of the
+# tolerance: votes are off by a label or two, whatever is worn.
+LIMITS, ROUNDS_EACH = (0.06, 0.03, 0.015, 0.0075), 6
 # At last what is off by more than this, in units of the tolerance, counts less: rims of fractures
 # are within the tolerance, and turn a sherd by half a degree.
 LAST_LIMIT = 1 / 8
@@ -104,7 +104,7 @@ def drawn_to_vertices(
             distance, nearest = full.vertex_tree.query(here)
             plane = planes[nearest]
             same = np.einsum("ij,ij->i", probe.normals @ motion.rotation.T, plane) > LOOKS_ALIKE
-            weights = same / (1 + (distance / (limit * tolerance)) ** 2) ** 2
+            weights = same / (1 + (distance / max(limit, 0.5 * tolerance)) ** 2) ** 2
             motion = _stepped(motion, here, places[nearest], plane, weights)[0]
     return motion
 

@@ -30,7 +30,8 @@ class AssembleOptions:
         Whether pieces may only be turned and shifted.
     tolerance
         For rigid pieces: points of a piece farther from the full shape than this, in its
-        sqrt(area), count as worn and do not say where the piece lies.
+        sqrt(area), count as worn and do not say where the piece lies. It is placed if it is off by
+        an eighth of this and less, as a geometric mean: more for coarse or noisy scans.
     side
         As in :class:`sherd.MatchOptions`.
     seed
