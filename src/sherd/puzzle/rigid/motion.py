@@ -9,7 +9,7 @@ import numpy as np
 from sherd.arrays import Floats
 from sherd.mesh.geometry import closest_rotation
 
-__all__ = ["RigidMotion", "best_motion", "turned_by"]
+__all__ = ["RigidMotion", "best_motion"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,14 +47,3 @@ def best_motion(points: Floats, targets: Floats, weights: Floats | None = None) 
     rotation = closest_rotation(points, targets, weights)
     middle, target = (np.average(each, axis=0, weights=weights) for each in (points, targets))
     return RigidMotion(rotation, target - rotation @ middle)
-
-
-def turned_by(axis: Floats) -> Floats:
-    """The rotation (3, 3) about an axis (3,) by its length, in radians (Rodrigues' formula)."""
-    angle = float(np.linalg.norm(axis))
-    if angle == 0:
-        return np.eye(3)
-    x, y, z = axis / angle
-    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    result: Floats = np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross
-    return result

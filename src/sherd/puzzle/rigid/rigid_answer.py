@@ -8,7 +8,7 @@ import numpy as np
 
 from sherd.correspondence.confidence import LEAST
 from sherd.puzzle.rigid.motion import RigidMotion
-from sherd.puzzle.rigid.surface_fit import LOOKS_ALIKE
+from sherd.puzzle.rigid.surface_fit import lying_on
 from sherd.results.advice import SURE, Doubts
 from sherd.results.match_result import MatchResult
 
@@ -34,11 +34,9 @@ def rigid_answer(
     tolerance
         In sqrt(area of the full shape).
     """
-    full, part, points = result.full, result.part, result.points
-    off = np.linalg.norm(motion(part.vertices) - points.positions(full), axis=1)
-    normals = part.vertex_normals @ motion.rotation.T
-    alike = np.einsum("ij,ij->i", normals, full.face_normals[points.faces]) > LOOKS_ALIKE
-    lies = alike & (off <= tolerance * full.length)
+    full, part = result.full, result.part
+    here, normals = motion(part.vertices), part.vertex_normals @ motion.rotation.T
+    _, lies = lying_on(full, result.points, here, normals, tolerance * full.length)
     area = part.vertex_areas
     doubts = Doubts(chance=chance)
     advice = doubts.advice

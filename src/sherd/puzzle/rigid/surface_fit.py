@@ -11,14 +11,24 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
-from sherd.arrays import Floats
+from sherd.arrays import Bools, Floats
 from sherd.mesh.surface_finder import SurfaceFinder
+from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
-from sherd.puzzle.rigid.motion import RigidMotion, turned_by
+from sherd.puzzle.rigid.motion import RigidMotion
 from sherd.surface.described import DescribedSurface
 
-__all__ = ["LOOKS_ALIKE", "Probe", "SurfaceFit", "drawn_to_surface", "drawn_to_vertices", "fit_of"]
+__all__ = [
+    "FEW_ROUNDS",
+    "Probe",
+    "SurfaceFit",
+    "drawn_to_surface",
+    "drawn_to_vertices",
+    "fit_of",
+    "lying_on",
+]
 
 # Quadratic convergence needs five or six; a worn piece with sliding contact takes more, and what
 # does not fit slides on for ever.
@@ -148,15 +158,25 @@ def fit_of(
     """How well a piece fits where the motion brings it."""
     here, normals = motion(probe.points), probe.normals @ motion.rotation.T
     points = finder.closest(here, normals)
-    off = np.linalg.norm(here - points.positions(finder.mesh), axis=1)
-    alike = np.einsum("ij,ij->i", normals, finder.mesh.face_normals[points.faces]) > LOOKS_ALIKE
-    lies = alike & (off <= tolerance)
+    off, lies = lying_on(finder.mesh, points, here, normals, tolerance)
     counted = np.where(lies, np.maximum(off, EXACT), tolerance)
     return SurfaceFit(
         motion,
         float(probe.areas @ lies / probe.areas.sum()),
         float(np.exp(np.average(np.log(counted), weights=probe.areas))),
     )
+
+
+def lying_on(
+    full: TriangleMesh, points: SurfacePoints, here: Floats, normals: Floats, tolerance: float
+) -> tuple[Floats, Bools]:
+    """How far (p,) positions are from their points on a shape, and which of them lie there.
+
+    That is within the tolerance, in the unit of the shape, and looking as it does.
+    """
+    off = np.linalg.norm(here - points.positions(full), axis=1)
+    alike = np.einsum("ij,ij->i", normals, full.face_normals[points.faces]) > LOOKS_ALIKE
+    return off, alike & (off <= tolerance)
 
 
 def _stepped(
@@ -167,4 +187,5 @@ def _stepped(
     system = lever.T @ (weights[:, None] * lever)
     system += (DAMPING * np.trace(system) + 1e-300) * np.eye(6)
     step = -np.linalg.solve(system, lever.T @ (weights * ((here - foot) * plane).sum(axis=1)))
-    return RigidMotion(turned_by(step[:3]), step[3:]).after(motion), float(np.abs(step).max())
+    turn = Rotation.from_rotvec(step[:3]).as_matrix()
+    return RigidMotion(turn, step[3:]).after(motion), float(np.abs(step).max())
