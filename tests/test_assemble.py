@@ -7,7 +7,7 @@ import pytest
 
 import sherd
 from sherd.arrays import Ints
-from sherd.errors import InputError, OptionError
+from sherd.errors import InputError, InvalidMeshError, OptionError
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.results.puzzle.assembly import Assembly
 from sherd.shapes import creature, moved, puzzle_pieces, remeshed
@@ -140,6 +140,8 @@ def test_rigid_pieces_come_home_to_rounding() -> None:
         assert np.linalg.det(turn) > 0
         home = after.mesh.vertices @ turn.T + shift
         assert np.abs(home - before.mesh.vertices).max() < 1e-9 * full.length
+        assert np.abs(found.on_full.vertices - before.mesh.vertices).max() < 1e-9 * full.length
+        assert found.match.matched.all()  # no mesh is asked to fit as closely as that
         off = found.match.positions - before.mesh.vertices
         assert np.abs(off).max() < 1e-8 * full.length
 
@@ -149,6 +151,7 @@ def test_a_piece_that_is_too_large_is_refused_with_the_reason(template, pieces) 
     answer = sherd.assemble(template, [pieces[1].mesh, large])
     assert answer.placed == (0,)
     assert "times the area" in answer.pieces[1].reason
+    assert "--" not in answer.pieces[1].reason  # there is no option for units here
     assert answer.pieces[1].match is None
 
 
@@ -163,5 +166,20 @@ def test_no_pieces_and_unknown_options_are_refused(template) -> None:
         sherd.assemble(template, [])
     with pytest.raises(OptionError, match="tolerance"):
         sherd.AssembleOptions(tolerance=0.5)
+    with pytest.raises(OptionError, match="tolerance is x"):
+        sherd.AssembleOptions(tolerance="x")
     with pytest.raises(OptionError, match="overlap"):
         sherd.assemble(template, [], overlap=True)
+
+
+def test_one_shape_instead_of_several_is_refused(template, pieces) -> None:
+    mesh = pieces[0].mesh
+    for one in (mesh, "piece.ply", (mesh.vertices, mesh.faces)):
+        with pytest.raises(InputError, match=r"write \[piece\]"):
+            sherd.assemble(template, one)
+
+
+def test_errors_of_arrays_say_which_piece_is_meant(template, pieces) -> None:
+    mesh = pieces[0].mesh
+    with pytest.raises(InvalidMeshError, match="piece 1: vertices"):
+        sherd.assemble(template, [mesh, (np.full_like(mesh.vertices, np.nan), mesh.faces)])

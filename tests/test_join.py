@@ -12,7 +12,7 @@ import pytest
 
 import sherd
 from sherd.cli.assembling import joined_summary
-from sherd.errors import InputError, InvalidMeshError
+from sherd.errors import InfeasibleError, InputError, InvalidMeshError, OptionError
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.report.stored.folder import folder_problems
 from sherd.report.stored.stored_exhibit import read_exhibit
@@ -74,10 +74,24 @@ def test_files_are_written_and_read_back(answer, tmp_path) -> None:
 
 
 def test_one_piece_and_rigid_pieces_are_refused(pieces) -> None:
-    with pytest.raises(InputError, match="two are needed"):
+    with pytest.raises(InputError, match="two pieces are needed"):
         sherd.join([pieces[0].mesh])
-    with pytest.raises(InputError, match="on a whole"):
-        sherd.join([piece.mesh for piece in pieces], rigid=True)
+    for option in ({"rigid": True}, {"may_overlap": True}, {"side": "given"}):
+        with pytest.raises(OptionError, match="needs a whole"):
+            sherd.join([piece.mesh for piece in pieces], **option)
+
+
+def test_one_shape_instead_of_several_is_refused(pieces) -> None:
+    with pytest.raises(InputError, match=r"write \[piece\]"):
+        sherd.join(pieces[0].mesh)
+    with pytest.raises(InputError, match=r"write \[piece\]"):
+        sherd.join("piece.ply")
+
+
+def test_another_unit_is_refused_with_the_factor(pieces) -> None:
+    small = pieces[1].mesh.with_vertices(pieces[1].mesh.vertices / 1000)
+    with pytest.raises(InfeasibleError, match="multiply the vertices of"):
+        sherd.join([pieces[0].mesh, small])
 
 
 def test_what_is_only_likely_is_said_to_be_so(answer: Joined, tmp_path: Path) -> None:

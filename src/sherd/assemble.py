@@ -18,7 +18,7 @@ from sherd.results.keywords import options_of
 from sherd.results.match_options import MatchOptions
 from sherd.results.puzzle.assemble_options import AssembleKeywords, AssembleOptions
 from sherd.results.puzzle.assembly import Assembly
-from sherd.scan.intake import MeshSource, ScanSource, scan_intake
+from sherd.scan.intake import MeshSource, ScanSource, piece_intakes
 from sherd.surface.prepared import as_template
 from sherd.surface.template import Template
 from sherd.threads import one_blas_thread
@@ -65,8 +65,8 @@ def assemble(
     Returns
     -------
     Assembly
-        ``assembly.check()`` proves that memberships sum to 1. That a piece does not belong is an
-        answer, with a reason.
+        ``assembly.check()`` proves that memberships of pieces sum to no more than 1; the gap has
+        the rest. That a piece does not belong is an answer, with a reason.
 
     Raises
     ------
@@ -78,7 +78,7 @@ def assemble(
     Notes
     -----
     Each piece is placed once, and again where it clashes with others or is torn between places. A
-    rigid one is brought to the three places where it fits most closely.
+    rigid one is brought to the places where it fits most closely.
 
     References
     ----------
@@ -96,7 +96,7 @@ def assemble(
     """
     options = options_of(AssembleOptions, options, keywords)
     stages = stages or Stages(visible=False)
-    intakes = [scan_intake(piece) for piece in pieces]
+    intakes = piece_intakes(pieces)
     if not intakes:
         raise InputError("no pieces were given, but at least one is needed")
     template = as_template(full)
@@ -104,7 +104,7 @@ def assemble(
     asked = MatchOptions(side=options.side, seed=options.seed)
     if options.rigid:
         trials, impossible = rigid_trials(
-            template, intakes, asked, options.tolerance, stages, partition
+            template, intakes, asked, options.closeness, stages, partition
         )
     else:
         trials, impossible = trials_alone(template, intakes, asked, stages, partition)

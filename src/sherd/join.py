@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import lru_cache, partial
 from itertools import combinations, product
 from types import MappingProxyType
@@ -14,10 +14,10 @@ import numpy as np
 
 from sherd.arrays import Bools, Ints
 from sherd.correspondence.shared.hints import kept_shape
-from sherd.errors import InputError
+from sherd.errors import InfeasibleError, InputError, OptionError
+from sherd.mesh.sizes import SMALLEST_PART, check_areas
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.output import Stages
-from sherd.overlap import check_overlap_sizes
 from sherd.puzzle.growing.across import laid_across
 from sherd.puzzle.growing.asking import Asking
 from sherd.puzzle.growing.belonging import chance_as_a_part
@@ -35,7 +35,7 @@ from sherd.results.keywords import options_of
 from sherd.results.overlap_result import SharedMap
 from sherd.results.puzzle.assemble_options import AssembleKeywords, AssembleOptions
 from sherd.results.puzzle.joined import Joined, PairAnswer
-from sherd.scan.intake import ScanSource, scan_intake
+from sherd.scan.intake import ScanSource, piece_intakes
 from sherd.surface.prepared import described_part
 
 __all__ = ["STAGES", "join"]
@@ -70,7 +70,8 @@ def join(
         The pieces: deformed, in any pose; whatever :func:`sherd.match` takes for a part, all in one
         unit. Those that belong together must overlap.
     options
-        See :class:`AssembleOptions`, of which only the seed counts here; the defaults if None.
+        See :class:`AssembleOptions`, of which only the seed counts without a whole; the defaults if
+        None.
     stages
         Collects timings and shows progress; a silent one if None.
     keywords
@@ -84,9 +85,9 @@ def join(
     Raises
     ------
     OptionError
-        If a keyword is unknown, or both `options` and keywords are given.
+        If a keyword is unknown or needs a whole, or both `options` and keywords are given.
     InputError
-        If there are fewer than two pieces, or pieces shall be rigid, which needs a whole.
+        If there are fewer than two pieces.
     InfeasibleError
         If a piece is a dot beside the largest.
     MeshFileError, InvalidMeshError
@@ -115,17 +116,19 @@ def join(
     """
     options = options_of(AssembleOptions, options, keywords)
     stages = stages or Stages(visible=False)
-    intakes = [scan_intake(piece) for piece in pieces]
+    intakes = piece_intakes(pieces)
     if len(intakes) < 2:
-        raise InputError(f"{len(intakes)} pieces were given, but without a whole two are needed")
-    if options.rigid:
-        raise InputError("rigid pieces are placed on a whole; give one, or leave rigid out")
+        raise InputError(
+            f"{len(intakes)} piece{'' if len(intakes) == 1 else 's'} given, but without a whole "
+            "two pieces are needed"
+        )
+    _refuse_needless(options)
     shapes = [
         kept_shape(intake, (), name=f"piece {number}") for number, intake in enumerate(intakes)
     ]
     largest = max(shapes, key=lambda shape: shape.mesh.area)
     for shape in shapes:
-        check_overlap_sizes((largest, shape), 1.0)
+        _check_sizes(largest.mesh, shape.mesh)
     unit = largest.mesh.length
     whole = _length_of_whole([shape.mesh.area for shape in shapes])
     # each may be asked in two units, and a union that asks all others is one more
@@ -179,6 +182,28 @@ def join(
         by_twin=tuple(sorted(member for join in growth.across for member in join.second.members)),
         unplaced=tuple(sorted(growth.unplaced)),
     )
+
+
+def _refuse_needless(options: AssembleOptions) -> None:
+    """Only the seed counts without a whole; nothing else is to seem to."""
+    for each in fields(options):
+        value = getattr(options, each.name)
+        if each.name != "seed" and value != each.default:
+            raise OptionError(
+                f"{each.name} is {value!r}, but that needs a whole: give one, or leave it out"
+            )
+
+
+def _check_sizes(largest: TriangleMesh, piece: TriangleMesh) -> None:
+    """Refuse a piece that is a dot beside the largest, or has no area."""
+    check_areas(largest, piece)
+    ratio = piece.area / largest.area
+    if ratio <= SMALLEST_PART:
+        raise InfeasibleError(
+            f"{piece.name} has {ratio:.4g} times the area of {largest.name}, so nothing can be "
+            f"found; if the two are in different units multiply the vertices of {piece.name} by "
+            f"{1 / math.sqrt(ratio):.4g}, which would make them equally large"
+        )
 
 
 def _length_of_whole(areas: Sequence[float]) -> float:

@@ -48,7 +48,7 @@ def require_seed(value: object) -> None:
     require_whole("seed", value, 0, LARGEST_SEED, SEED_REASON)
 
 
-def require_finite(name: str, value: float, least: float, most: float, reason: str) -> None:
+def require_finite(name: str, value: object, least: float, most: float, reason: str) -> None:
     """Refuse what is no finite number from `least` to `most`.
 
     Raises
@@ -56,7 +56,8 @@ def require_finite(name: str, value: float, least: float, most: float, reason: s
     OptionError
         With the limits and the reason.
     """
-    if not (math.isfinite(value) and least <= value <= most):
+    real = isinstance(value, numbers.Real) and not isinstance(value, bool)
+    if not (real and math.isfinite(number := float(value)) and least <= number <= most):  # type: ignore[arg-type]
         raise OptionError(
             f"{name} is {value}, but a finite number >= {least:g} and <= {most:g} is needed: "
             f"{reason}"

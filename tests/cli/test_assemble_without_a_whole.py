@@ -40,6 +40,9 @@ def test_pieces_are_joined_to_a_loop_that_closes(files, tmp_path: Path) -> None:
     assert {row.split(",")[1] for row in partners} == {"1", "2"}
 
 
-def test_rigid_pieces_need_a_whole(files, tmp_path: Path) -> None:
-    words = ["assemble", "--no-full", *files, "--rigid", "-o", str(tmp_path)]
-    assert CliRunner().invoke(main, words).exit_code == 2
+@pytest.mark.parametrize("option", [["--rigid"], ["--may-overlap"], ["--side", "given"]])
+def test_what_needs_a_whole_is_refused_without_one(files, option, tmp_path: Path) -> None:
+    words = ["assemble", "--no-full", *files, *option, "-o", str(tmp_path)]
+    refused = CliRunner().invoke(main, words)
+    assert refused.exit_code == 2
+    assert "leave --no-full out" in refused.output

@@ -6,6 +6,7 @@ import json
 from pathlib import Path
 
 import click
+from click.core import ParameterSource
 
 from sherd.assemble import assemble
 from sherd.cli.exits import NOT_CONVERGED
@@ -42,7 +43,7 @@ FILE = click.Path(path_type=Path)
 
 
 @click.command("assemble")
-@click.argument("shapes", type=FILE, nargs=-1, required=True, metavar="FULL PIECE...")
+@click.argument("shapes", type=FILE, nargs=-1, required=True, metavar="[FULL] PIECE...")
 @click.option("-o", "--output", type=FILE, required=True, help="Folder.")
 @click.option(
     "--may-overlap",
@@ -60,7 +61,8 @@ FILE = click.Path(path_type=Path)
     type=float,
     default=TOLERANCE,
     show_default=True,
-    help="For rigid pieces: what is farther off is worn; in sqrt(area) of FULL.",
+    help="For rigid pieces: what is farther off is worn; in sqrt(area) of FULL, so 8 mm for a vase "
+    "of 30 cm.",
 )
 @template_option
 @side_option("all pieces")
@@ -87,11 +89,12 @@ def assemble_command(  # noqa: PLR0913 - one for each word that can be typed
 
     Writes labels.csv, piece_K/correspondence.csv for each placed piece, from 0 in the order given,
     full.ply and piece_K/part.ply in the colors of the pieces, assembly.png, report.html and
-    result.json to the output folder. Exit code 4 if a placed piece is in doubt or none has a place.
+    result.json to the output folder; of rigid pieces piece_K/placed.ply, too, as they lie on FULL.
+    Exit code 4 if a placed piece is in doubt or none has a place; that one is refused is an answer.
 
     With --no-full there is no whole: writes pairs.csv, piece_K/partners.csv with the points of each
     piece on the others, piece_K/part.ply, assembly.png, report.html and result.json. Exit code 4 if
-    nothing belongs together.
+    nothing surely belongs together.
 
     \b
     Examples:
@@ -104,10 +107,17 @@ def assemble_command(  # noqa: PLR0913 - one for each word that can be typed
     options = AssembleOptions(
         may_overlap=may_overlap, rigid=rigid, tolerance=tolerance, side=side, seed=seed
     )
-    if no_full and (rigid or may_overlap or template is not None):
-        raise click.UsageError("--rigid, --may-overlap and --template need a whole")
+    if no_full and (rigid or may_overlap or template is not None or _typed("side")):
+        raise click.UsageError(
+            "--rigid, --may-overlap, --template and --side need a whole: leave --no-full out and "
+            "name the whole first"
+        )
+    if _typed("tolerance") and not rigid:
+        raise click.UsageError("--tolerance is for rigid pieces: give --rigid, or leave it out")
     if len(shapes) < 2:
-        raise click.UsageError("give a whole and at least one piece, or, with --no-full, two")
+        raise click.UsageError(
+            "give a whole and at least one piece, or, with --no-full, two pieces"
+        )
     full, pieces = (None, shapes) if no_full else (shapes[0], shapes[1:])
     check_piece_outputs(output, full, pieces, overwrite=overwrite, template=template)
     prepare_first_run(quiet=quiet)
@@ -137,6 +147,12 @@ def assemble_command(  # noqa: PLR0913 - one for each word that can be typed
         summary = joined_summary if isinstance(result, Joined) else assembly_summary
         click.echo(summary(result, output))  # type: ignore[arg-type]
     return 0 if document["status"] == Status.GOOD.name.lower() else NOT_CONVERGED
+
+
+def _typed(option: str) -> bool:
+    """Whether an option was given, and is not the default."""
+    source = click.get_current_context().get_parameter_source(option)
+    return source not in (None, ParameterSource.DEFAULT)
 
 
 def joined_summary(result: Joined, output: Path) -> str:

@@ -93,7 +93,8 @@ def assembly_of(question: AssemblyQuestion, decision: Decision, stages: Stages) 
         rows = question.partition.labels([part.best.mask for part in placed.values()])
         if decision.cut_apart:
             rows = question.partition.without_cracks(rows, REACH)
-        rows = question.partition.without_lapses(rows, _ends(placed.values()))
+        if not question.options.rigid:  # what does not stretch reaches all that belongs to it
+            rows = question.partition.without_lapses(rows, _ends(placed.values()))
         labels = numbers[rows]
         lift = template.intake.report.to_original
         return Assembly(
@@ -148,7 +149,7 @@ def _result(trial: Trial, options: AssembleOptions, stages: Stages) -> MatchResu
     result = match_result(trial.placed, stages)
     if trial.motion is None:
         return result
-    return rigid_answer(result, trial.motion, trial.placed.chance, options.tolerance)
+    return rigid_answer(result, trial.motion, trial.placed.chance, options.closeness)
 
 
 def _beside_others(piece: int, placed: Mapping[int, PlacedPart]) -> PlacedPart:
@@ -192,12 +193,21 @@ def _refusal(alone: Trial, instead: int | None) -> str:
     if isinstance(alone.placed, RigidPart) and alone.placed.anywhere:
         return (
             "fits about as closely in several places, so none is told: what is round fits all "
-            "around, and so does a piece of another such thing; larger pieces may tell"
+            "around, what is alike on several sides on each, and so does a piece of another such "
+            "thing; larger pieces may tell"
         )
-    return (
-        f"does not belong: the chance that its best place is right is {alone.chance:.2f}; ask with "
-        "another full shape, or look at it alone with sherd match"
-    )
+    if alone.chance >= SURE:
+        return (
+            f"fits with a chance of {alone.chance:.2f}, but has too little area for its border to "
+            "be told from one that fits by accident; give a larger piece"
+        )
+    said = f"does not belong: the chance that its best place is right is {alone.chance:.2f}; "
+    if isinstance(alone.placed, RigidPart):
+        return (
+            f"{said}if it is worn or coarse give a larger tolerance, if it is bent leave rigid "
+            "out, or ask with another full shape"
+        )
+    return f"{said}ask with another full shape, or look at it alone with sherd match"
 
 
 def _memberships(template: Template, labels: Ints, count: int) -> Floats:

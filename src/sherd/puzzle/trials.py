@@ -11,6 +11,7 @@ from sherd.arrays import Bools, Floats
 from sherd.correspondence.confidence import LEAST, MOST
 from sherd.errors import InfeasibleError
 from sherd.mesh.sides import bulge
+from sherd.mesh.sizes import check_sizes
 from sherd.output import Stages
 from sherd.place import PlacedPart, labeled_part, laid_part, placed_part
 from sherd.puzzle.border import border_of
@@ -122,17 +123,20 @@ def trials_alone(
     def tried(piece: int, intake: Intake) -> list[Trial]:
         return trials_of(piece, _placed(template, intake, options, stages), partition)
 
-    return each_tried(intakes, tried)
+    return each_tried(template, intakes, tried)
 
 
 def each_tried(
-    intakes: Sequence[Intake], tried: Callable[[int, Intake], list[Trial]]
+    template: Template,
+    intakes: Sequence[Intake],
+    tried: Callable[[int, Intake], list[Trial]],
 ) -> tuple[list[Trial], dict[int, str]]:
     """The trials of all pieces; of those that cannot lie on the full shape, the reason."""
     found: list[Trial] = []
     refused: dict[int, str] = {}
     for piece, intake in enumerate(intakes):
         try:
+            check_sizes(template.intake.mesh, intake.mesh)
             found += tried(piece, intake)
         except InfeasibleError as error:
             refused[piece] = str(error)
@@ -163,7 +167,11 @@ def chosen_together(
         k: trial.with_chance(
             _chance_of_places(
                 judged[k][int(choice.candidates[k])],
-                judged[k],
+                [
+                    each
+                    for each, other in zip(judged[k], own[k], strict=True)
+                    if _are_two_places(own[k][int(choice.candidates[k])], other)
+                ],
                 [other.candidate.core for i, other in chosen.items() if i != k],
                 areas,
             )
@@ -174,7 +182,7 @@ def chosen_together(
 
 
 def _chance_of_places(
-    best: Candidate, candidates: Sequence[Candidate], taken: Sequence[Bools], areas: Floats
+    best: Candidate, others: Sequence[Candidate], taken: Sequence[Bools], areas: Floats
 ) -> float:
     """The chance of the best of the places where a piece may lie, of which one at most is right.
 
@@ -184,15 +192,25 @@ def _chance_of_places(
     occupied = np.logical_or.reduce([np.zeros(len(areas), dtype=bool), *taken])
     odds = [
         _odds(each.chance)
-        for each in candidates
-        if _is_another(best.region, each.region)
-        and areas @ (each.core & occupied) <= CLASH * (areas @ each.core)
+        for each in others
+        if areas @ (each.core & occupied) <= CLASH * (areas @ each.core)
     ]
     return _odds(best.chance) / (1.0 + _odds(best.chance) + max(odds, default=0.0))
 
 
 def _odds(chance: float) -> float:
     return chance / (1.0 - chance)  # a chance is never 1
+
+
+def _are_two_places(one: Trial, other: Trial) -> bool:
+    """Whether two trials of one piece are two places: of rigid ones each motion is.
+
+    A piece that is turned in its place covers the same, but no point of it lies where it did.
+    """
+    if one is other:
+        return False
+    rigid = one.motion is not None and other.motion is not None
+    return rigid or _is_another(one.candidate.region, other.candidate.region)
 
 
 def _is_another(region: Bools, other: Bools) -> bool:

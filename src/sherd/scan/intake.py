@@ -6,6 +6,7 @@ Python and the command line walk through the same functions here, so a file has 
 from __future__ import annotations
 
 import os
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, TypeAlias
@@ -22,7 +23,7 @@ from sherd.repair.repair import RepairReport, repair
 from sherd.repair.sheets import without_crumbs
 from sherd.repair.sides import side_is_unclear
 
-__all__ = ["Intake", "MeshSource", "ScanSource", "mesh_intake", "scan_intake"]
+__all__ = ["Intake", "MeshSource", "ScanSource", "mesh_intake", "piece_intakes", "scan_intake"]
 
 # A mesh, the path of a file, (vertices, faces), or any object with arrays of these names, such as a
 # trimesh.Trimesh; a scan may be points as well.
@@ -100,6 +101,36 @@ def scan_intake(source: ScanSource | Intake) -> Intake:
     if not isinstance(source, Intake) and not _holds_mesh(source):
         raise InputError(f"{_refusal(source)}; points without faces as sherd.PointCloud(points)")
     return mesh_intake(source)
+
+
+def piece_intakes(sources: Sequence[ScanSource | Intake]) -> list[Intake]:
+    """Take in several shapes, of which errors and answers say which of them is meant.
+
+    Raises
+    ------
+    MeshFileError, InvalidMeshError, InputError
+        As :func:`scan_intake`, or if one shape was given instead of several.
+    """
+    one = isinstance(sources, str | os.PathLike | TriangleMesh | PointCloud | Intake)
+    pair = isinstance(sources, tuple) and all(isinstance(each, np.ndarray) for each in sources)
+    if one or (pair and len(sources) == 2) or not isinstance(sources, Iterable):
+        raise InputError(
+            f"{type(sources).__name__} is one shape, but several are needed: write [piece]"
+        )
+    return [_piece_intake(source, number) for number, source in enumerate(sources)]
+
+
+def _piece_intake(source: ScanSource | Intake, number: int) -> Intake:
+    named = isinstance(source, str | os.PathLike | TriangleMesh | PointCloud | Intake)
+    try:
+        if not named and _holds_mesh(source):
+            mesh = _as_mesh(source)
+            return mesh_intake(TriangleMesh(mesh.vertices, mesh.faces, name=f"piece {number}"))
+        return scan_intake(source)
+    except InputError as error:
+        if isinstance(source, str | os.PathLike | Intake):
+            raise
+        raise type(error)(f"piece {number}: {error}") from error
 
 
 def _surface(cloud: PointCloud) -> Intake:

@@ -11,6 +11,7 @@ Lengths given to the tools are relative to sqrt(area of the full shape).
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -20,6 +21,7 @@ from sherd.arrays import Bools, Floats, Ints, frozen
 from sherd.errors import InfeasibleError, InputError, OptionError
 from sherd.mesh.surface_points import SurfacePoints, closest_points, points_at_vertices
 from sherd.mesh.triangle_mesh import TriangleMesh
+from sherd.shapes.ball import unit_ball
 from sherd.shapes.clip import clip
 from sherd.shapes.rotation import rotated
 from sherd.shapes.truth import carried, true_region
@@ -381,17 +383,7 @@ def _inside_ball(fragment: Fragment, center: int, radius: float) -> Floats:
 
 def _bumpy_ball(area: float, vertex_area: float, rng: np.random.Generator) -> tuple[Floats, Ints]:
     """A closed surface of about the given area, its vertices about as dense as wanted."""
-    vertices = np.concatenate([np.eye(3), -np.eye(3)])
-    faces = np.array(
-        [[0, 1, 2], [1, 3, 2], [3, 4, 2], [4, 0, 2], [1, 0, 5], [3, 1, 5], [4, 3, 5], [0, 4, 5]],
-        dtype=np.int64,
-    )
-    while len(vertices) * vertex_area < 0.5 * area:
-        faces, parents = split_edges(faces, len(vertices))
-        middle = vertices[parents].sum(axis=1)
-        vertices = np.concatenate(
-            [vertices, middle / np.linalg.norm(middle, axis=1, keepdims=True)]
-        )
+    vertices, faces = unit_ball(math.ceil(0.5 * area / vertex_area))
     waves, phases = rng.normal(size=(3, 3)) * 2.0, rng.uniform(0, 2 * np.pi, size=3)
     bumps = 1 + BUMPS * np.cos(vertices @ waves.T + phases).mean(axis=1)
     return np.sqrt(area / (4 * np.pi)) * bumps[:, None] * vertices, faces

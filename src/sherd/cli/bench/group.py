@@ -22,7 +22,7 @@ from sherd.cli.bench.overlap import (
     singleview_command,
     smal_command,
 )
-from sherd.cli.bench.puzzle import join_command, puzzle_command
+from sherd.cli.bench.puzzle import join_command, puzzle_command, sherds_command
 from sherd.cli.exits import INTERNAL
 from sherd.files.mesh_files import write_mesh
 from sherd.limits import require_whole
@@ -41,7 +41,7 @@ def bench_group() -> None:
 
 for command in (
     shrec16_command, faust_command, smal_match_command, cp2p_command, smal_command,
-    singleview_command, belonging_command, puzzle_command, join_command,
+    singleview_command, belonging_command, puzzle_command, join_command, sherds_command,
     identify_bench_command, skulls_command, fit_bench_command,
 ):  # fmt: skip
     bench_group.add_command(command)

@@ -1,4 +1,4 @@
-"""`sherd bench puzzle` and `sherd bench join`."""
+"""`sherd bench puzzle`, `sherd bench join` and `sherd bench sherds`."""
 
 from __future__ import annotations
 
@@ -8,9 +8,10 @@ import click
 
 from sherd.benchmark.puzzle.benchmark import puzzle_benchmark, puzzle_table
 from sherd.benchmark.puzzle.joining import join_benchmark, join_table
+from sherd.benchmark.puzzle.sherds import KINDS, sherd_benchmark, sherd_table
 from sherd.benchmark.puzzle.sources import CUTS, OVERLAP
 
-__all__ = ["join_command", "puzzle_command"]
+__all__ = ["join_command", "puzzle_command", "sherds_command"]
 
 
 @click.command("puzzle")
@@ -119,4 +120,26 @@ def join_command(
         jobs=jobs,
     )
     click.echo(join_table(rows))
+    return 0
+
+
+@click.command("sherds")
+@click.option(
+    "--kind", "kinds", multiple=True, type=click.Choice(tuple(KINDS)), help="All if none."
+)
+@click.option("--vases", type=int, default=3, show_default=True, help="Of each kind.")
+@click.option("--jobs", type=int, default=1, show_default=True, help="Processes.")
+@click.option("-o", "--output", type=click.Path(path_type=Path), required=True, help="Folder.")
+def sherds_command(*, kinds: tuple[str, ...], vases: int, jobs: int, output: Path) -> int:
+    """Put sherds of generated vases on the whole ones with `assemble --rigid`.
+
+    Four of seven sherds, solid and with faces of fracture, and three of another vase of the same
+    profile. Clean, of shallow relief, noisy, worn and coarse. Writes sherds.json; goes on where an
+    interrupted run stopped.
+
+    \b
+    Example:
+      sherd bench sherds -o bench/
+    """  # noqa: D301
+    click.echo(sherd_table(sherd_benchmark(output, kinds=kinds, vases=vases, jobs=jobs)))
     return 0

@@ -27,17 +27,19 @@ RECALLED = 4
 def crowding(one: Join, other: Join) -> float:
     """Share of the smaller place that two pieces have on a third one that is the other's too.
 
-    Both were laid on unions that have the third piece.
+    Both were laid on unions that have the third piece. Shares are of area, as both may have been
+    asked in meshes that are not equally fine.
     """
-    owners, places = _taken(one)
-    others, further = _taken(other)
-    reach = LAYER * one.first.mesh.mean_edge_length
-    common = 0
+    smaller, larger = sorted((one, other), key=_area_taken)
+    owners, places = _taken(smaller)
+    others, further = _taken(larger)
+    areas = _areas_taken(smaller)
+    reach = LAYER * max(join.first.mesh.mean_edge_length for join in (one, other))
+    common = 0.0
     for piece in np.intersect1d(owners, others):
-        tree = cKDTree(further[others == piece])
-        near = tree.query(places[owners == piece], distance_upper_bound=reach)[0]
-        common += int(np.isfinite(near).sum())
-    return common / max(min(len(owners), len(others)), 1)
+        near, _ = nearest_places(further[others == piece], places[owners == piece], reach)
+        common += float(areas[owners == piece][near].sum())
+    return common / _area_taken(smaller) if common else 0.0
 
 
 def is_within(join: Join) -> bool:
@@ -147,6 +149,16 @@ def _taken(join: Join) -> tuple[Ints, Floats]:
     owners, places = origins(join.first, question.full)
     shared = join.met.placements[1].shared
     return owners[shared], places[shared]
+
+
+def _areas_taken(join: Join) -> Floats:
+    """The areas (q,) of these places, in the unit of the meshes."""
+    areas: Floats = join.met.questions[0].full.mesh.vertex_areas
+    return areas[join.met.placements[1].shared] * join.met.unit**2
+
+
+def _area_taken(join: Join) -> float:
+    return float(_areas_taken(join).sum())
 
 
 def _vertex_at(first: Union, second: Union, owner: int, place: Floats) -> tuple[int, int]:

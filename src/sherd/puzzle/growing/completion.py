@@ -200,6 +200,6 @@ def _contradicted(join: Join, before: Join, groups: Sequence[Union], growth: Gro
     return any(
         crowding(join, each) > CROWD
         for other in _others(groups, join)
-        if {join.second.members, other.members} not in growth.together
+        if not growth.are_together(join.second, other)
         for each in growth.likely_before(join.first, other)
     )

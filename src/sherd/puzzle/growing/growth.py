@@ -213,7 +213,7 @@ def _rivals(join: Join, others: Sequence[Union], growth: Growth) -> list[Join]:
         for before in growth.sure_before(join.first, other)
         if odds_beside(join, before, CROWDED) < DECIDED
         and crowding(join, before) > CROWD
-        and {join.second.members, other.members} not in growth.together
+        and not growth.are_together(join.second, other)
     ]
 
 
@@ -224,7 +224,7 @@ def _close_loops(join: Join, others: Sequence[Union], meet: Meet, growth: Growth
     """
     for rival in _rivals(join, others, growth):
         if _loop_closes(join, rival, meet, growth):
-            growth.together.append({join.second.members, rival.second.members})
+            growth.together.append((join.second.members, rival.second.members))
 
 
 def _loop_closes(one: Join, other: Join, meet: Meet, growth: Growth) -> bool:

@@ -116,7 +116,7 @@ class Growth:
     poses: dict[tuple[int, ...], int] = field(default_factory=dict)
     told: dict[tuple[tuple[int, ...], tuple[int, ...]], Join] = field(default_factory=dict)
     aside: dict[tuple[tuple[int, ...], tuple[int, ...]], Join] = field(default_factory=dict)
-    together: list[set[tuple[int, ...]]] = field(default_factory=list)
+    together: list[tuple[tuple[int, ...], tuple[int, ...]]] = field(default_factory=list)
     settled: list[tuple[Join, tuple[int, ...]]] = field(default_factory=list)
 
     def promise(self, here: Union, other: Union) -> float:
@@ -153,6 +153,10 @@ class Growth:
                 place = taken_by(join, first)
                 taken = place if taken is None else taken | place
         return taken
+
+    def are_together(self, one: Union, other: Union) -> bool:
+        """Whether parts of both are known to lie on one place and on each other."""
+        return any(_are_parts(members, (one, other)) for members in self.together)
 
     def keep_in_mind(self, join: Join) -> None:
         """Note what is likely, by its ground; it may be joined when nothing is sure any more.

@@ -9,7 +9,7 @@ import numpy as np
 from sherd.arrays import Floats
 from sherd.mesh.geometry import closest_rotation
 
-__all__ = ["RigidMotion", "best_motion"]
+__all__ = ["RigidMotion", "best_motion", "extent"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,3 +47,8 @@ def best_motion(points: Floats, targets: Floats, weights: Floats | None = None) 
     rotation = closest_rotation(points, targets, weights)
     middle, target = (np.average(each, axis=0, weights=weights) for each in (points, targets))
     return RigidMotion(rotation, target - rotation @ middle)
+
+
+def extent(points: Floats) -> float:
+    """How far points (p, 3) are from their middle, as the root of the mean square."""
+    return float(np.sqrt(((points - points.mean(axis=0)) ** 2).sum(axis=1).mean()))

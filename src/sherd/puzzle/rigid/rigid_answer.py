@@ -11,6 +11,7 @@ from sherd.puzzle.rigid.motion import RigidMotion
 from sherd.puzzle.rigid.surface_fit import lying_on
 from sherd.results.advice import SURE, Doubts
 from sherd.results.match_result import MatchResult
+from sherd.scan.numbering import outward_normals
 
 __all__ = ["rigid_answer"]
 
@@ -35,17 +36,25 @@ def rigid_answer(
         In sqrt(area of the full shape).
     """
     full, part = result.full, result.part
-    here, normals = motion(part.vertices), part.vertex_normals @ motion.rotation.T
-    _, lies = lying_on(full, result.points, here, normals, tolerance * full.length)
+    here, normals = motion(part.vertices), outward_normals(part) @ motion.rotation.T
+    feet, planes = result.points.positions(full), full.face_normals[result.points.faces]
+    # faces of a file may look inward
+    outward = result.points.interpolate(full, outward_normals(full))
+    planes = planes * np.sign(np.einsum("ij,ij->i", planes, outward))[:, None]
+    _, lies = lying_on(feet, planes, here, normals, tolerance * full.length)
     area = part.vertex_areas
-    doubts = Doubts(chance=chance)
-    advice = doubts.advice
     if chance >= SURE:
         share = float(area @ lies / area.sum())
         advice = (
-            f"good: {share:.0%} of the piece lie on the full shape, and nowhere else as closely"
+            f"good: {share:.0%} of the piece lie on the full shape, more closely than elsewhere"
+        )
+    else:
+        advice = (
+            f"doubtful: the chance that the placement is right is {chance:.2f}; look at it in the "
+            "report, or ask with another full shape or tolerance"
         )
     best = replace(
         result.best, matched=lies, confidence=np.where(lies, np.clip(chance, LEAST, 1.0), LEAST)
     )
-    return replace(result, best=best, status=doubts.status, advice=advice, chance=chance)
+    status = Doubts(chance=chance).status
+    return replace(result, best=best, status=status, advice=advice, chance=chance)

@@ -15,7 +15,7 @@ from scipy.spatial.transform import Rotation
 
 from sherd.arrays import Bools, Floats
 from sherd.mesh.surface_finder import SurfaceFinder
-from sherd.mesh.surface_points import SurfacePoints
+from sherd.mesh.topology import adjacency
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.puzzle.rigid.motion import RigidMotion
 from sherd.surface.described import DescribedSurface
@@ -28,6 +28,7 @@ __all__ = [
     "drawn_to_vertices",
     "fit_of",
     "lying_on",
+    "roughness",
 ]
 
 # Quadratic convergence needs five or six; a worn piece with sliding contact takes more, and what
@@ -158,7 +159,8 @@ def fit_of(
     """How well a piece fits where the motion brings it."""
     here, normals = motion(probe.points), probe.normals @ motion.rotation.T
     points = finder.closest(here, normals)
-    off, lies = lying_on(finder.mesh, points, here, normals, tolerance)
+    feet, planes = points.positions(finder.mesh), finder.mesh.face_normals[points.faces]
+    off, lies = lying_on(feet, planes, here, normals, tolerance)
     counted = np.where(lies, np.maximum(off, EXACT), tolerance)
     return SurfaceFit(
         motion,
@@ -168,15 +170,40 @@ def fit_of(
 
 
 def lying_on(
-    full: TriangleMesh, points: SurfacePoints, here: Floats, normals: Floats, tolerance: float
+    feet: Floats, planes: Floats, here: Floats, normals: Floats, tolerance: float
 ) -> tuple[Floats, Bools]:
     """How far (p,) positions are from their points on a shape, and which of them lie there.
 
-    That is within the tolerance, in the unit of the shape, and looking as it does.
+    That is within the tolerance, and looking as it does.
+
+    Parameters
+    ----------
+    feet, planes
+        (p, 3) the points on the shape, and its outward normals there.
+    here, normals
+        (p, 3) the positions, and outward normals of what lies there.
+    tolerance
+        In their unit.
     """
-    off = np.linalg.norm(here - points.positions(full), axis=1)
-    alike = np.einsum("ij,ij->i", normals, full.face_normals[points.faces]) > LOOKS_ALIKE
+    off = np.linalg.norm(here - feet, axis=1)
+    alike = np.einsum("ij,ij->i", normals, planes) > LOOKS_ALIKE
     return off, alike & (off <= tolerance)
+
+
+def roughness(mesh: TriangleMesh) -> float:
+    """What the same surface, meshed anew, may be off by: a geometric mean, in the mesh's unit.
+
+    How far a vertex is from the middle of its neighbors, along the normal, by area. That is half
+    the squared edge times the curvature, of which a point amid a face has a third, and noise as it
+    is.
+    """
+    near = adjacency(mesh.faces, mesh.vertex_count)
+    count = np.maximum(np.asarray(near.sum(axis=1)).ravel(), 1.0)
+    middle = (near @ mesh.vertices) / count[:, None]
+    off = np.abs(np.einsum("ij,ij->i", mesh.vertices - middle, mesh.vertex_normals))
+    areas = np.array(mesh.vertex_areas)
+    areas[mesh.boundary_vertices] = 0.0  # there the middle is off, however flat the surface is
+    return float(np.exp(np.average(np.log(np.maximum(off, EXACT)), weights=areas + 1e-300)))
 
 
 def _stepped(

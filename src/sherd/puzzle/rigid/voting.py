@@ -18,7 +18,7 @@ import numpy as np
 
 from sherd.arrays import Floats, Ints
 from sherd.correspondence.labels.labeling import Problem
-from sherd.puzzle.rigid.motion import RigidMotion, best_motion
+from sherd.puzzle.rigid.motion import RigidMotion, best_motion, extent
 
 __all__ = ["voted_motions"]
 
@@ -29,6 +29,9 @@ ALIKE = 60
 NEAR = 0.05
 # Motions that move nodes apart by less than this, on average, are one: fits bring them together.
 SAME = 0.06
+# Or by less than half of the piece's extent: a small one that is turned by more than 30 degrees in
+# its place moves by about that, and fits do not turn it back.
+TURNED = 0.5
 # A motion is fitted to the labels that agree with it, as far as these, in turn.
 FITTED = (0.06, 0.04, 0.03, 0.02)
 # How far proposals move apart is seen by so many nodes.
@@ -95,12 +98,13 @@ def _different(
 ) -> list[int]:
     """The motions with most votes, none of which is another one."""
     moved = nodes[:WITNESSES] @ np.swapaxes(rotations, 1, 2) + shifts[:, None]
+    same = min(SAME, TURNED * extent(nodes))
     left = np.ones(len(votes), dtype=bool)
     found: list[int] = []
     for k in np.argsort(-votes, kind="stable").tolist():
         if left[k]:
             found.append(k)
-            left &= np.linalg.norm(moved - moved[k], axis=2).mean(axis=1) >= SAME
+            left &= np.linalg.norm(moved - moved[k], axis=2).mean(axis=1) >= same
         if len(found) == count:
             break
     return found

@@ -68,6 +68,14 @@ class PieceAnswer(FrozenState):
         good = self.match is not None and self.match.status is Status.GOOD
         return self.placed and good and self.chance >= SURE
 
+    @property
+    def on_full(self) -> TriangleMesh | None:
+        """A rigid piece as it lies on the full shape, in its frame; None unless it is placed so."""
+        if not self.placed or self.transform is None:
+            return None
+        turned = self.part.vertices @ self.transform[:3, :3].T
+        return self.part.with_vertices(turned + self.transform[:3, 3])
+
     def __repr__(self) -> str:
         word = "placed" if self.placed else "refused"
         return f"PieceAnswer({self.part.name!r}: {word}, chance {self.chance:.2f})"
