@@ -61,11 +61,12 @@ SAMPLES, LAST_SAMPLES = 1500, 10_000
 SAME_PLACE, TURNED = 0.03, 0.25
 # Places of one piece that take part in the joint choice: the right one and its twin.
 PLACES = 2
-# A surface that is the same, meshed anew, is off by 0.0001 to 0.0004 on geometric average (sherds
-# of vases with their faces of fracture, parts of an animal and of a skull), and at other places,
-# or on another vase of that form, by 0.0004 and more, mostly 0.001 to 0.005. So what is off by an
-# eighth of the tolerance, 0.0019, may be either, and a factor of e^0.5 decides.
-FINE, SHARPNESS = 1 / 8, 0.25
+# A surface that is the same, meshed anew, is off by 0.1 to 0.75 of what its meshes may be off by
+# (sherds of vases: 0.00004 to 0.0004), one of another vase of that profile by 1.5 to 4 times that,
+# or 0.0004 to 0.002. Half way by ratio; a scan that is off as a whole needs a larger tolerance.
+EXACTLY, FINE, SHARPNESS = 1.1, 1 / 30, 0.15
+# Meshes so coarse that they may be off by more than this tell nothing finer; in the tolerance.
+COARSEST = 1 / 8
 # Right places of sherds of nine vases fit 3.1 to 39 times as closely as the next place, and sherds
 # of another vase of the same form 1.0 to 1.9 times. Half way by ratio.
 BESIDE_ACCIDENT, SHARPNESS_BESIDE = 2.4, 0.1
@@ -159,7 +160,7 @@ def rigid_chance(
     twin = _logistic(math.log(exact / max(distance, second)) / SHARPNESS_BESIDE)
     accident = twin * math.log(third) + (1.0 - twin) * math.log(second)
     beside = accident - math.log(BESIDE_ACCIDENT * max(distance, SCANNED))
-    fine = math.log(FINE * tolerance / distance)
+    fine = math.log(max(EXACTLY * exact, FINE * tolerance) / distance)
     chance = _logistic(beside / SHARPNESS_BESIDE) * _logistic(fine / SHARPNESS)
     return float(np.clip(chance, LEAST, MOST))
 
@@ -191,7 +192,7 @@ def _places(
             ]
             beside = _places_of(beside, probe, question, tolerance)
             best = _drawn(beside, best, probe, question, tolerance)
-        exact = min(roughness(mesh) + roughness(full.mesh), FINE * tolerance)
+        exact = min(roughness(mesh) + roughness(full.mesh), COARSEST * tolerance)
         last = Probe.of(question.part.placed, LAST_SAMPLES, rng)
         found = []
         for fit in best[:PLACES]:
@@ -199,11 +200,10 @@ def _places(
             # a distance counts what does not lie there as off by the tolerance
             counted = exact**fit.share * tolerance ** (1.0 - fit.share)
             chance = rigid_chance(fit.distance, elsewhere, counted, tolerance)
+            closely = rigid_chance(fit.distance, (), counted, tolerance)
             if fit is best[0] or chance >= FOREIGN:
                 motion = _drawn_at_last(fit.motion, last, full.own_finder, tolerance)
-                found.append(
-                    _laid(asked, queries(), replace(fit, motion=motion), chance, tolerance)
-                )
+                found.append(_laid(asked, queries(), replace(fit, motion=motion), chance, closely))
         return found
 
 
@@ -257,9 +257,9 @@ def _nudged(
 
 
 def _laid(
-    asked: AskedPart, queries: Queries, fit: SurfaceFit, chance: float, tolerance: float
+    asked: AskedPart, queries: Queries, fit: SurfaceFit, chance: float, closely: float
 ) -> _Laid:
-    """The piece seen where it fits, as any placement is."""
+    """The piece seen where it fits, as any placement is; `closely`: the chance but for others."""
     question, motion = asked.question, fit.motion
     own = question.part.placed
     points = question.full.own_finder.closest(
@@ -280,7 +280,7 @@ def _laid(
         twin=None,
         labeling_energy=0.0,
         rigid_chance=chance,
-        anywhere=chance < SURE <= rigid_chance(fit.distance, (), SCANNED, tolerance),
+        anywhere=chance < SURE <= closely,
     )
     return _Laid(placed, _in_files(motion, placed), fit)
 

@@ -65,7 +65,7 @@ class SurfaceFit:
     distance
         Geometric mean, by area, of how far it is off, in sqrt(area); what does not lie there
         counts as off by the tolerance. So a surface that is the same stands out from one that is
-        near, however much of the piece is fracture, which fits nowhere.
+        near, though a part of the piece is fracture, which fits nowhere.
     """
 
     motion: RigidMotion
