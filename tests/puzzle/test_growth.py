@@ -108,6 +108,16 @@ def test_a_chain_is_joined_and_what_is_foreign_stays_alone() -> None:
     assert set(found.chances) == set(asked)
 
 
+def test_who_grew_still_lies_beside_whom_a_part_of_it_lay_beside() -> None:
+    one, other, third = pieces(3)
+    known = record.Growth([one, other, third], one)
+    known.together.append((other.members, third.members))
+    grew = Union(other.mesh, other.owner, other.places, (1, 7))
+    assert known.are_together(third, grew)
+    assert known.are_together(grew, third)
+    assert not known.are_together(one, third)
+
+
 def test_a_twin_that_a_small_union_would_take_is_asked_again_first(monkeypatch) -> None:
     def meet(first: Union, second: Union, known: Ints, taken: Bools | None) -> Any:
         # alone 0 takes 2 for its own, but less surely than 1; with 1 it lies elsewhere

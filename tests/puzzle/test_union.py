@@ -10,7 +10,7 @@ import pytest
 from sherd.mesh.border_loops import border_loops
 from sherd.mesh.topology import component_labels
 from sherd.mesh.triangle_mesh import TriangleMesh
-from sherd.puzzle.growing.common_places import laid_alike, left_out, recalled
+from sherd.puzzle.growing.common_places import crowding, laid_alike, left_out, recalled
 from sherd.puzzle.growing.joined_maps import direct_maps
 from sherd.puzzle.growing.union import Join, Union, repaired, united
 from sherd.puzzle.pairwise.answer import Meeting
@@ -147,3 +147,21 @@ def test_what_is_known_of_places_that_are_taken_does_not_count(pieces, join) -> 
     labeled = question.problems[0].labels.vertices[found.labels[found.placed]]
     assert free[labeled].all()
     assert 0 <= question.at_a_glance().chance <= 1
+
+
+def test_who_lies_in_the_same_place_crowds_whole_or_in_part(join) -> None:
+    """The same answer, and one that shares half of it: by area, whichever comes first."""
+    question, place = join.met.questions[0], join.met.placements
+    there = place[1].shared
+    height = question.full.mesh.vertices @ np.array([1.0, 0.0, 0.0])
+    lower = there & (height < np.median(height[there]))
+    half = replace(place[1], shared=lower)
+    smaller = replace(join, met=replace(join.met, placements=(place[0], half)))
+    nothing = replace(place[1], shared=np.zeros_like(there))
+    empty = replace(join, met=replace(join.met, placements=(place[0], nothing)))
+    assert crowding(join, join) == pytest.approx(1.0)
+    assert crowding(join, smaller) == crowding(smaller, join) == pytest.approx(1.0)
+    upper = replace(place[1], shared=there & ~lower)
+    other = replace(join, met=replace(join.met, placements=(place[0], upper)))
+    assert crowding(smaller, other) == crowding(other, smaller) < 0.5
+    assert crowding(join, empty) == crowding(empty, join) == 0.0
