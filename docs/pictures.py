@@ -1,4 +1,4 @@
-"""Draw docs/images anew from the generated animal: `make pictures`.
+"""Draw docs/images anew from generated shapes: `make pictures`.
 
 The picture of the report needs Chromium; without one the old picture stays.
 """
@@ -15,6 +15,7 @@ import sherd
 from sherd.cli.demo import demo_fragment
 from sherd.drawing.picture import picture, stage
 from sherd.report.write import report_of, write_report
+from sherd.shapes import creature, puzzle_pieces, vase, vase_sherds
 from sherd.spectral.surface_distances import SurfaceDistances
 
 IMAGES = Path(__file__).parent / "images"
@@ -48,6 +49,21 @@ def screenshot(report: Path, name: str) -> None:
     save(image, name)
 
 
+def draw_puzzles() -> None:
+    """An animal in pieces, each in a pose of its own, and a broken vase; of each one is missing."""
+    full = creature(8000)
+    poses = [creature(8000, pose=pose) for pose in ("walk", "stand", "graze", "gallop")]
+    pieces = [piece.mesh for piece in puzzle_pieces(full, poses)]
+    broken = [sherd_.mesh for sherd_ in vase_sherds(6, vertex_count=12_000)]
+    foreign = vase_sherds(6, vertex_count=12_000, seed=1)[5].mesh
+    answers = {
+        "puzzle": sherd.assemble(full, pieces[:-1]),
+        "sherds": sherd.assemble(vase(12_000), [*broken[:-1], foreign], rigid=True),
+    }
+    for name, answer in answers.items():
+        save(picture(report_of(answer).exhibit, width=WIDTH, heading=False), f"{name}.png")
+
+
 def main() -> None:
     """Match and locate the piece of the demo, and draw both answers."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -72,6 +88,7 @@ def main() -> None:
         image = picture(exhibit, layer=layer, width=WIDTH, heading=False, staging=staging)
         save(image, f"{name}.png")
     screenshot(output / "match" / "report.html", "report.png")
+    draw_puzzles()
 
 
 if __name__ == "__main__":

@@ -17,11 +17,19 @@ from sherd.shapes import Sherd, vase, vase_sherds
 
 @pytest.fixture(scope="module")
 def answer() -> tuple[sherd.Assembly, tuple[Sherd, ...]]:
-    """Two own sherds and one of another vase, whose place is free."""
+    """Two own sherds and one of another vase, whose place is free.
+
+    Every second face of the whole looks inward: repaired on the way in, and the answer is about
+    what was given.
+    """
     own = vase_sherds(5, vertex_count=8000, seed=1)[:2]
     other = vase_sherds(5, vertex_count=8000, seed=5)[2]
     full = vase(8000, seed=1)
-    return sherd.assemble(full, [*(each.mesh for each in own), other.mesh], rigid=True), own
+    outward = np.arange(full.face_count)[:, None] % 2 == 0
+    turned = np.where(outward, full.faces, full.faces[:, ::-1])
+    return sherd.assemble(
+        (full.vertices, turned), [*(each.mesh for each in own), other.mesh], rigid=True
+    ), own
 
 
 def share_of_walls(piece: Sherd, matched: np.ndarray) -> float:
@@ -57,7 +65,7 @@ def test_a_sherd_of_another_vase_is_refused(answer) -> None:
 def test_what_fits_all_around_is_refused_with_the_reason() -> None:
     """A piece of a plain tube belongs, but nothing says where."""
     tube = trimesh.creation.cylinder(radius=1.0, height=3.0, sections=60)
-    tube = trimesh.Trimesh(*trimesh.remesh.subdivide_to_size(tube.vertices, tube.faces, 0.15))
+    tube = trimesh.Trimesh(*trimesh.remesh.subdivide_to_size(tube.vertices, tube.faces, 0.25))
     middles = tube.vertices[tube.faces].mean(axis=1)
     full = TriangleMesh(tube.vertices, tube.faces)
     piece, _ = full.submesh((middles[:, 0] > 0.2) & (np.abs(middles[:, 2]) < 0.9))
@@ -90,17 +98,6 @@ def test_what_a_mesh_may_be_off_by_is_its_noise_and_its_curvature() -> None:
         ball.vertices * (1 + 0.01 * rng.normal(size=(len(ball.vertices), 1)))
     )
     assert 0.003 < roughness(noisy) < 0.02
-
-
-def test_a_whole_whose_faces_look_inward_is_no_obstacle() -> None:
-    """Half of its faces: repaired on the way in, and the answer is about the file."""
-    full = vase(8000, seed=1)
-    turned = np.where(
-        (np.arange(full.face_count) % 2 == 0)[:, None], full.faces, full.faces[:, ::-1]
-    )
-    (own,) = vase_sherds(5, vertex_count=8000, seed=1)[:1]
-    (piece,) = sherd.assemble((full.vertices, turned), [own.mesh], rigid=True).pieces
-    assert share_of_walls(own, piece.match.matched) > 0.9
 
 
 def test_what_can_be_turned_in_its_place_is_not_sure() -> None:

@@ -74,8 +74,10 @@ def test_a_piece_in_doubt_is_laid_turned_over_if_its_labels_may_be_as_good(
     monkeypatch.setattr(trials, "labeled_part", lambda *_, **__: SimpleNamespace(energy=energy))
     monkeypatch.setattr(trials, "laid_part", lambda *_: lay("other"))
     monkeypatch.setattr(trials, "trials_of", lambda *found: [found[1]])
-    intake = scan_intake(cut_by_ball(whole(creature(5000), creature(5000)), 0, 0.4).mesh)
-    found, _ = trials.trials_alone(None, [intake], MatchOptions(), Stages(visible=False), None)
+    full = creature(5000)
+    intake = scan_intake(cut_by_ball(whole(full, full), 0, 0.4).mesh)
+    template = SimpleNamespace(intake=scan_intake(full))
+    found, _ = trials.trials_alone(template, [intake], MatchOptions(), Stages(visible=False), None)
     assert laid == asked
     assert [each.best.score for each in found] == [len(asked)]
 
