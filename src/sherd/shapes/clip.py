@@ -10,7 +10,7 @@ from sherd.mesh.surface_points import SurfacePoints, points_at_vertices
 from sherd.mesh.topology import renumbered
 from sherd.mesh.triangle_mesh import TriangleMesh
 
-__all__ = ["clip"]
+__all__ = ["clip", "largest_component"]
 
 
 # A cut that passes a vertex within this share of an edge goes through the vertex instead:
@@ -81,6 +81,13 @@ class _Cutter:
         self.outer.append(outer)
         self.face.append(face)
         return np.arange(begin, begin + len(inner))
+
+
+def largest_component(mesh: TriangleMesh) -> tuple[TriangleMesh, Ints]:
+    """The component with the largest area, and the vertices (k,) of the mesh that it has."""
+    labels = mesh.component_labels[mesh.faces[:, 0]]
+    largest = int(np.bincount(labels, mesh.face_areas).argmax())
+    return mesh.submesh(labels == largest)
 
 
 def _assembled(

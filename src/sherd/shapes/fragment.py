@@ -22,7 +22,7 @@ from sherd.errors import InfeasibleError, InputError, OptionError
 from sherd.mesh.surface_points import SurfacePoints, closest_points, points_at_vertices
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.shapes.ball import unit_ball
-from sherd.shapes.clip import clip
+from sherd.shapes.clip import clip, largest_component
 from sherd.shapes.rotation import rotated
 from sherd.shapes.truth import carried, true_region
 from sherd.spectral.geodesics import Geodesics
@@ -209,9 +209,7 @@ def cut_in_pieces(fragment: Fragment, count: int, *, width: float) -> Fragment:
 
 def largest_piece(fragment: Fragment) -> Fragment:
     """The connected piece with the largest area."""
-    labels = fragment.mesh.component_labels[fragment.mesh.faces[:, 0]]
-    largest = int(np.bincount(labels, fragment.mesh.face_areas).argmax())
-    mesh, kept = fragment.mesh.submesh(labels == largest)
+    mesh, kept = largest_component(fragment.mesh)
     return replace(fragment, mesh=mesh, truth=fragment.truth[kept], present=fragment.present[kept])
 
 

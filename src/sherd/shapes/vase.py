@@ -15,7 +15,7 @@ from sherd.limits import require_finite, require_whole
 from sherd.mesh.border_loops import border_half_edges
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.shapes.ball import unit_ball
-from sherd.shapes.clip import clip
+from sherd.shapes.clip import clip, largest_component
 from sherd.shapes.rotation import rotated
 from sherd.spectral.diffusion import diffused
 from sherd.spectral.sampling import VERTICES_PER_AREA, farthest_point_sample_euclidean, remesh
@@ -226,9 +226,7 @@ def _cell(outer: TriangleMesh, inner: Floats, level: Floats) -> tuple[TriangleMe
     """The largest component of the outer wall where a level is positive, and what is behind it."""
     cell, at = clip(outer, level)
     behind = at.interpolate(outer, inner)
-    labels = cell.component_labels[cell.faces[:, 0]]
-    largest = int(np.bincount(labels, cell.face_areas).argmax())
-    piece, kept = cell.submesh(labels == largest)
+    piece, kept = largest_component(cell)
     return piece, behind[kept]
 
 
