@@ -167,11 +167,7 @@ def chosen_together(
         k: trial.with_chance(
             _chance_of_places(
                 judged[k][int(choice.candidates[k])],
-                [
-                    each
-                    for each, other in zip(judged[k], own[k], strict=True)
-                    if _are_two_places(own[k][int(choice.candidates[k])], other)
-                ],
+                _elsewhere(int(choice.candidates[k]), own[k], judged[k]),
                 [other.candidate.core for i, other in chosen.items() if i != k],
                 areas,
             )
@@ -202,13 +198,22 @@ def _odds(chance: float) -> float:
     return chance / (1.0 - chance)  # a chance is never 1
 
 
+def _elsewhere(
+    chosen: int, trials: Sequence[Trial], judged: Sequence[Candidate]
+) -> list[Candidate]:
+    """The trials of one piece, as judged, that are at another place than the chosen one."""
+    return [
+        each
+        for k, each in enumerate(judged)
+        if k != chosen and _are_two_places(trials[chosen], trials[k])
+    ]
+
+
 def _are_two_places(one: Trial, other: Trial) -> bool:
     """Whether two trials of one piece are two places: of rigid ones each motion is.
 
     A piece that is turned in its place covers the same, but no point of it lies where it did.
     """
-    if one is other:
-        return False
     rigid = one.motion is not None and other.motion is not None
     return rigid or _is_another(one.candidate.region, other.candidate.region)
 

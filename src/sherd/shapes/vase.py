@@ -13,6 +13,7 @@ from scipy.interpolate import PchipInterpolator
 from sherd.arrays import Bools, Floats, Ints, frozen
 from sherd.limits import require_finite, require_whole
 from sherd.mesh.border_loops import border_half_edges
+from sherd.mesh.geometry import closest_rotation
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.shapes.ball import unit_ball
 from sherd.shapes.clip import clip, largest_component
@@ -116,7 +117,8 @@ def vase_sherds(
     count
         Of sherds, 2 to 30.
     vertex_count, seed, relief
-    XX    noise
+        As of :func:`vase`; all sherds together have some more vertices.
+    noise
         Standard deviation by which each vertex is moved along each axis, in sqrt(area of the
         vase).
     worn
@@ -266,9 +268,8 @@ def _moved(solid: TriangleMesh, on_wall: Bools, rng: np.random.Generator) -> She
     """Turned and shifted at random."""
     turned = rotated(solid, rng)
     shift = rng.normal(size=3)
-    # the rotation, read off what it did to the solid
-    left, _, right = np.linalg.svd(turned.vertices.T @ solid.vertices)
     back = np.eye(4)
-    back[:3, :3] = (left @ right).T
+    weights = np.ones(solid.vertex_count)
+    back[:3, :3] = closest_rotation(turned.vertices, solid.vertices, weights)
     back[:3, 3] = -back[:3, :3] @ shift
     return Sherd(solid.with_vertices(turned.vertices + shift), back, on_wall)

@@ -9,6 +9,7 @@ from functools import partial
 
 import numpy as np
 from scipy.spatial.transform import Rotation
+from scipy.special import expit
 
 from sherd.correspondence.confidence import LEAST, MOST
 from sherd.correspondence.elastic_kernel import fit_rotations
@@ -157,16 +158,12 @@ def rigid_chance(
         neither is refused, and what fits alike all around, as a plain vase does, lies nowhere.
     """
     second, third = (*elsewhere, tolerance, tolerance)[:2]
-    twin = _logistic(math.log(exact / max(distance, second)) / SHARPNESS_BESIDE)
+    twin = expit(math.log(exact / max(distance, second)) / SHARPNESS_BESIDE)
     accident = twin * math.log(third) + (1.0 - twin) * math.log(second)
     beside = accident - math.log(BESIDE_ACCIDENT * max(distance, SCANNED))
     fine = math.log(max(EXACTLY * exact, FINE * tolerance) / distance)
-    chance = _logistic(beside / SHARPNESS_BESIDE) * _logistic(fine / SHARPNESS)
+    chance = expit(beside / SHARPNESS_BESIDE) * expit(fine / SHARPNESS)
     return float(np.clip(chance, LEAST, MOST))
-
-
-def _logistic(value: float) -> float:
-    return 1.0 / (1.0 + math.exp(min(-value, 700.0)))
 
 
 def _places(

@@ -50,9 +50,10 @@ def assembly_report(result: Assembly, *, command: str = "") -> Report:
         )
         if piece.placed and piece.match is not None:
             files[piece_file(number)] = partial(correspondence_csv, piece.match)
-        if piece.on_full is not None:
+        laid = piece.on_full
+        if laid is not None:
             files[piece_file(number, "placed.ply")] = partial(
-                painted_ply, piece.on_full, scene.piece_layers(number)
+                painted_ply, laid, scene.piece_layers(number)
             )
     return Report(document, _exhibit(result, document, scene), files, picture_name="assembly.png")
 
