@@ -19,7 +19,7 @@ from sherd.puzzle.pairwise.answer import Meeting
 from sherd.puzzle.pairwise.meeting import PairQuestion, pair_question
 from sherd.puzzle.pairwise.skin_chance import SlidChance
 from sherd.results.advice import SURE
-from sherd.shapes import creature, cut_by_ball, landmarks, whole
+from sherd.shapes import creature, cut_by_ball, landmarks, puzzle_pieces, whole
 from sherd.surface.prepared import described_part
 
 
@@ -192,3 +192,10 @@ def test_how_much_is_recognized_is_told_but_not_of_what_lies_within_or_of_little
     assert replace(question).at_a_glance().recognized == pytest.approx(0.3 * area)
     monkeypatch.setattr(module, "RECOGNIZED", 0.52 * area / larger)
     assert replace(question).at_a_glance().recognized == 0.0
+
+
+def test_two_pieces_that_only_meet_are_not_laid_over_each_other() -> None:
+    """The skin of the trunk has no bumps, so its one half looks like the other one, moved."""
+    full, walking = creature(5000), creature(5000, pose="walk")
+    rear, front, _ = puzzle_pieces(full, [walking, full, walking])
+    assert pair_question(rear.mesh, front.mesh, 0).in_full().chance < 0.3

@@ -294,6 +294,24 @@ def test_a_place_as_small_as_a_few_bumps_is_alike_by_accident(
         assert (chance_as_it_lies(questions, half, half_likeness).chance >= JOINED) is sure
 
 
+def test_skin_without_features_is_alike_by_accident(
+    questions, half, half_likeness, monkeypatch
+) -> None:
+    """On a smooth trunk all that is seen is alike, and there is little to see."""
+    for places, sure in ((40.0, True), (6.0, False)):
+        monkeypatch.setattr(skin_chance, "places_of_reliefs", lambda *_, places=places: places)
+        assert (chance_as_it_lies(questions, half, half_likeness).chance >= JOINED) is sure
+        assert (chance_where_it_slid(0.9, questions, half, half_likeness).chance >= JOINED) is sure
+
+
+def test_what_is_not_as_thick_is_not_the_same_skin(
+    questions, half, half_likeness, monkeypatch
+) -> None:
+    """Bumps are where they should be, but of another size."""
+    monkeypatch.setattr(skin_chance, "concordance_in", lambda *_: 0.3)
+    assert chance_as_it_lies(questions, half, half_likeness).chance < 0.1
+
+
 @pytest.mark.parametrize(
     ("feature", "value", "expected"),
     [(7, 0.0, True), (7, 0.6, True), (4, -0.5, False), (5, 0.5, False), (6, 0.5, False)],

@@ -19,7 +19,7 @@ from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.spectral.diffusion import diffused
 from sherd.spectral.operators import stiffness
 
-__all__ = ["FINE", "form", "relief", "relief_and_bulge"]
+__all__ = ["FINE", "curvatures", "form", "relief", "relief_and_bulge"]
 
 # In sqrt(area) of the larger piece. As fine as a right map is exact (0.01 to 0.02), and against
 # what is around, so many times as far, which is as a limb is wide: that a limb is round is true of
@@ -56,6 +56,18 @@ def form(mesh: TriangleMesh) -> Floats:
     return form
 
 
+@lru_cache(maxsize=4)
+def curvatures(mesh: TriangleMesh) -> tuple[Floats, Floats]:
+    """Gaussian (n,) and mean (n,) curvature, averaged over `FORM_FINE`, 1 / length^2, 1 / length.
+
+    The first is the same in every pose, the second where no joint bends, and says what the first
+    does not: how thick a limb is.
+    """
+    curvatures = np.stack([_angle_defects(mesh), _mean_curvature(mesh)], axis=1)
+    (averaged,) = _averaged(mesh, curvatures, (FORM_FINE,))
+    return averaged[:, 0], averaged[:, 1]
+
+
 def relief_and_bulge(mesh: TriangleMesh, width: float) -> tuple[Floats, Floats]:
     """The relief (n,) of a mesh, see :func:`relief`, and how it bulges, negative in a hollow.
 
@@ -80,7 +92,7 @@ def _mean_curvature(mesh: TriangleMesh) -> Floats:
     return bent
 
 
-def _averaged(mesh: TriangleMesh, curvatures: Floats, widths: tuple[float, float]) -> list[Floats]:
+def _averaged(mesh: TriangleMesh, curvatures: Floats, widths: tuple[float, ...]) -> list[Floats]:
     """Integrals (n, k) of curvatures at vertices as their means (n, k) over each width."""
     inside = curvatures.copy()
     inside[mesh.boundary_vertices] = 0.0

@@ -7,11 +7,12 @@ the one must be that of the other, place by place; see :mod:`sherd.descriptors.r
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.stats import rankdata
 
-from sherd.arrays import Bools, Floats
+from sherd.arrays import Bools, Floats, Ints
 from sherd.correspondence.labels.consistent import node_areas
 from sherd.correspondence.labels.labeling import Labeling, Problem
 from sherd.correspondence.labels.two_way import Both
@@ -25,7 +26,9 @@ __all__ = [
     "alike_in",
     "alike_in_form",
     "alike_in_relief",
+    "concordance_in",
     "seen_area",
+    "seen_where_laid",
 ]
 
 # Nearer to a cut than so many widths the angles of faces that are gone are missing in the average.
@@ -72,6 +75,18 @@ def alike_in(
     return float(np.mean([_alike(*each) for each in both]))
 
 
+def concordance_in(
+    fields: Both[Floats], questions: Both[Question], placements: Both[SharedPlacement]
+) -> float:
+    """How far what is known of two shapes is the same where one lies on the other, in [-1, 1].
+
+    As :func:`alike_in`, but by Lin's concordance correlation (1989) of the ranks among the values
+    of both: 1 only where both have the same values, not where one has as much more everywhere.
+    """
+    both = zip(questions, placements, fields, fields[::-1], strict=True)
+    return float(np.mean([_concordance(*each) for each in both]))
+
+
 def seen_area(question: Question, shared: Bools, points: SurfacePoints, width: float) -> Floats:
     """The area (n,) of the part that is shared, less along both cuts, of what is `width` wide.
 
@@ -116,14 +131,58 @@ def alike_at_labels(
     return alike * math.sqrt(area)
 
 
-def _alike(question: Question, place: SharedPlacement, own: Floats, other: Floats) -> float:
+@dataclass(frozen=True)
+class Seen:
+    """What is known of two shapes at places that both share.
+
+    Attributes
+    ----------
+    vertices
+        (k,) of the part.
+    here, there
+        (k,) what is known of the part, and of the full shape where it lies.
+    trust
+        (k,) area that counts.
+    """
+
+    vertices: Ints
+    here: Floats
+    there: Floats
+    trust: Floats
+
+    def among(self, vertices: Ints) -> Seen:
+        """The same at those of its places that are among `vertices`."""
+        kept = np.isin(self.vertices, vertices)
+        return Seen(self.vertices[kept], self.here[kept], self.there[kept], self.trust[kept])
+
+
+def seen_where_laid(question: Question, place: SharedPlacement, own: Floats, other: Floats) -> Seen:
+    """What is known of the part (n,) and of the full shape (m,), at each vertex that is shared."""
     points = place.trip.points
     trust = seen_area(question, place.shared, points, FINE)
     rows = np.flatnonzero(trust > 0)
-    if len(rows) < 2:
-        return 0.0
     there = points[rows].interpolate(question.full.mesh, other)
-    return _correlation(rankdata(own[rows]), rankdata(there), trust[rows])
+    return Seen(rows, own[rows], there, trust[rows])
+
+
+def _alike(question: Question, place: SharedPlacement, own: Floats, other: Floats) -> float:
+    seen = seen_where_laid(question, place, own, other)
+    if len(seen.vertices) < 2:
+        return 0.0
+    return _correlation(rankdata(seen.here), rankdata(seen.there), seen.trust)
+
+
+def _concordance(question: Question, place: SharedPlacement, own: Floats, other: Floats) -> float:
+    seen = seen_where_laid(question, place, own, other)
+    if len(seen.vertices) < 2:
+        return 0.0
+    here, there = np.split(rankdata(np.concatenate([seen.here, seen.there])), 2)
+    means = [np.average(each, weights=seen.trust) for each in (here, there)]
+    apart = np.average((here - there) ** 2, weights=seen.trust)
+    # had both nothing in common but their spreads and means
+    expected = np.average((here - means[0]) ** 2 + (there - means[1]) ** 2, weights=seen.trust)
+    expected += (means[0] - means[1]) ** 2
+    return float(1.0 - apart / expected) if expected > 0 else 0.0
 
 
 def _correlation(first: Floats, second: Floats, weights: Floats) -> float:

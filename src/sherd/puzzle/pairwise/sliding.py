@@ -20,6 +20,7 @@ from sherd.correspondence.elastic_kernel import fit_rotations
 from sherd.correspondence.labels.two_way import Both
 from sherd.correspondence.question import Question
 from sherd.correspondence.registration import Deformation
+from sherd.correspondence.shared.independent_places import independent_places
 from sherd.correspondence.shared.relief_correlation import alike_in, seen_area
 from sherd.correspondence.shared.two_way_placement import (
     SharedPlacement,
@@ -32,7 +33,7 @@ from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.spectral.optical_flow import Sight, flow_field, ranks, slopes
 from sherd.threads import side_by_side
 
-__all__ = ["alike_in_reliefs", "slid"]
+__all__ = ["alike_in_reliefs", "places_of_reliefs", "slid"]
 
 # Bumps of these widths, in sqrt(area) of the larger piece: a slope says how far off its bump is up
 # to about its width, and right answers slide by 0.05 to 0.08; below the last one a slide of the
@@ -87,9 +88,24 @@ def alike_in_reliefs(questions: Both[Question], placements: Both[SharedPlacement
 
     Mean over the finer of `WIDTHS`.
     """
+    return float(
+        np.mean([alike_in(fields, questions, placements) for fields in _reliefs(questions)])
+    )
+
+
+def places_of_reliefs(questions: Both[Question], placements: Both[SharedPlacement]) -> float:
+    """As how many independent places reliefs count of which :func:`alike_in_reliefs` says more."""
+    return float(
+        np.mean(
+            [independent_places(fields, questions, placements) for fields in _reliefs(questions)]
+        )
+    )
+
+
+def _reliefs(questions: Both[Question]) -> list[Both[Floats]]:
+    """Of the part of the first question and of the second one's, at the finer widths."""
     there, here = (_pictures(question.full.mesh)[-JUDGING:] for question in questions)
-    reliefs = ((own[0], other[0]) for own, other in zip(here, there, strict=True))
-    return float(np.mean([alike_in(fields, questions, placements) for fields in reliefs]))
+    return [(own[0], other[0]) for own, other in zip(here, there, strict=True)]
 
 
 # each question asks for those of both of its surfaces, many times
