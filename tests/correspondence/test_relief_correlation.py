@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from sherd.arrays import Floats
-from sherd.correspondence.shared.independent_places import independent_places
+from sherd.correspondence.shared.accident import independent_places
 from sherd.correspondence.shared.relief_correlation import (
     alike_in,
     alike_in_form,

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from sherd.correspondence.confidence import LEAST, MOST
 from sherd.correspondence.shared import answer as module
 from sherd.correspondence.shared.answer import LOOKED, SharedAnswer, shared_answer
 from sherd.correspondence.shared.likeness import Likeness
@@ -229,21 +230,40 @@ def test_what_viewers_saw_gives_way_to_what_is_far_more_likely(ask, monkeypatch)
     assert best.chance == 0.3  # half of a view may be laid wrongly where its place is right
 
 
-def test_form_proves_more_on_a_large_area_than_on_a_small_one(monkeypatch) -> None:
-    """Half as much on four times the area proves as much."""
+def judged(monkeypatch, *, alike: float = 0.5, area: float = 0.4, own: float = 1.0) -> SharedAnswer:
+    """An answer of which all else speaks for it."""
     first = SimpleNamespace(
         agreement=0.9, lack=0.05, worth=0.3, first_ratio=0.3, chance=(20.0, 20.0)
     )
     nothing: Any = (None, None)
     asked = module._Asked(nothing, nothing, first, nothing, 0.3, 0)
     monkeypatch.setattr(module._Asked, "forms", nothing)
-    monkeypatch.setattr(module, "likeness_of_both", lambda *_: Likeness(0.02, 0.8, 0.8))
-    monkeypatch.setattr(module, "most_open", lambda *_: 0.3)
+    for name, value in (
+        ("likeness_of_both", Likeness(0.02, 0.8, 0.8)),
+        ("most_open", 0.3),
+        ("alike_in", alike),
+        ("shared_area", area),
+        ("no_accident", own),
+    ):
+        monkeypatch.setattr(module, name, lambda *_, value=value: value)
+    return asked._judged(first, nothing)
+
+
+def test_form_proves_more_on_a_large_area_than_on_a_small_one(monkeypatch) -> None:
+    """Half as much on four times the area proves as much."""
 
     def by_form(alike: float, area: float) -> float:
-        monkeypatch.setattr(module, "alike_in", lambda *_: alike)
-        monkeypatch.setattr(module, "shared_area", lambda *_: area)
-        return asked._judged(first, nothing).by_form
+        return judged(monkeypatch, alike=alike, area=area).by_form
 
     assert by_form(0.3, 0.4) == pytest.approx(by_form(0.6, 0.1))
     assert by_form(0.6, 0.4) > by_form(0.6, 0.1) + 0.5
+
+
+def test_what_is_alike_by_accident_is_not_sure_at_its_place_either(monkeypatch) -> None:
+    """On skin without bumps all else may speak for it."""
+    answer = judged(monkeypatch, own=0.2)
+    assert max(answer.chance, answer.most) <= 0.2
+    sure = judged(monkeypatch)
+    assert sure.most == MOST
+    assert answer.log_odds == sure.log_odds
+    assert judged(monkeypatch, own=0.0).most == LEAST

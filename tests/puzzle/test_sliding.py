@@ -12,6 +12,7 @@ from sherd.correspondence.elastic_kernel import fit_rotations
 from sherd.correspondence.labels.two_way import Both
 from sherd.correspondence.question import Question
 from sherd.correspondence.registration import Deformation
+from sherd.correspondence.shared import accident
 from sherd.correspondence.shared.judgment import likeness_of_both
 from sherd.correspondence.shared.likeness import Likeness
 from sherd.correspondence.shared.relief_correlation import alike_in_relief
@@ -299,7 +300,7 @@ def test_skin_without_features_is_alike_by_accident(
 ) -> None:
     """On a smooth trunk all that is seen is alike, and there is little to see."""
     for places, sure in ((40.0, True), (6.0, False)):
-        monkeypatch.setattr(skin_chance, "places_of_reliefs", lambda *_, places=places: places)
+        monkeypatch.setattr(accident, "independent_places", lambda *_, places=places: places)
         assert (chance_as_it_lies(questions, half, half_likeness).chance >= JOINED) is sure
         assert (chance_where_it_slid(0.9, questions, half, half_likeness).chance >= JOINED) is sure
 
@@ -308,7 +309,7 @@ def test_what_is_not_as_thick_is_not_the_same_skin(
     questions, half, half_likeness, monkeypatch
 ) -> None:
     """Bumps are where they should be, but of another size."""
-    monkeypatch.setattr(skin_chance, "concordance_in", lambda *_: 0.3)
+    monkeypatch.setattr(accident, "concordance_in", lambda *_: 0.3)
     assert chance_as_it_lies(questions, half, half_likeness).chance < 0.1
 
 

@@ -19,20 +19,23 @@ from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.spectral.diffusion import diffused
 from sherd.spectral.operators import stiffness
 
-__all__ = ["FINE", "curvatures", "form", "relief", "relief_and_bulge"]
+__all__ = ["FINE", "JUDGED", "curvatures", "form", "relief", "relief_and_bulge"]
 
 # In sqrt(area) of the larger piece. As fine as a right map is exact (0.01 to 0.02), and against
 # what is around, so many times as far, which is as a limb is wide: that a limb is round is true of
 # all limbs.
 FINE, AROUND = 0.02, 3.5
+# Widths of reliefs that say whether skin is the same where it slid to: the finer one tells most,
+# the other one is not lost by what is left of the slide.
+JUDGED = (0.04, 0.025)
 # Form: as fine as the map of another species is exact, against what is around, the chest or the
 # thigh that it belongs to. Chosen among widths from 0.02 to 0.2 on 27 pairs, mostly of SMAL: from
 # 0.035 and 0.1 to 0.07 and 0.2 all tell right from wrong about as well.
 FORM_FINE, FORM_COARSE = 0.05, 0.14
 
 
-# several answers to one question ask for those of both of its surfaces
-@lru_cache(maxsize=4)
+# several answers to one question ask for those of both of its surfaces, of three widths
+@lru_cache(maxsize=6)
 def relief(mesh: TriangleMesh, width: float = FINE) -> Floats:
     """The relief (n,) of a mesh in units of sqrt(area), 1 / length.
 

@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from sherd.arrays import Floats, Ints
-from sherd.correspondence.confidence import LEAST, MOST
+from sherd.correspondence.confidence import LEAST, MOST, above
 from sherd.correspondence.labels.anchors import first_labeling, proposed_anchors
 from sherd.correspondence.labels.two_way import Both, TwoLabelings
 from sherd.correspondence.placements import anchor_problem
@@ -29,7 +29,6 @@ from sherd.surface.transformed import mirrored, sampled_within
 __all__ = [
     "HANDEDNESS",
     "WORTH_A_SLIDE",
-    "above",
     "ends_with_one",
     "enough_lead",
     "fills_a_gap",
@@ -175,11 +174,6 @@ def fits_a_twin(features: Floats) -> bool:
 
 def _but_for_likeness(features: Floats) -> float:
     return float(1.0 / (1.0 + np.exp(-features[:LEADING] @ np.array(COEFFICIENTS))))
-
-
-def above(value: float, middle: float, step: float) -> float:
-    """How surely a value is above a limit: a half at the middle, 0.95 three steps above."""
-    return float(1.0 / (1.0 + np.exp((middle - value) / step)))
 
 
 def _fits_mirrored(features: Floats) -> bool:

@@ -12,23 +12,22 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sherd.correspondence.confidence import LEAST, MOST
+from sherd.correspondence.confidence import LEAST, MOST, above
 from sherd.correspondence.labels.two_way import Both
 from sherd.correspondence.question import Question
+from sherd.correspondence.shared.accident import no_accident
 from sherd.correspondence.shared.judgment import share_of_both, shared_area
 from sherd.correspondence.shared.likeness import Likeness, handed_by_relief
-from sherd.correspondence.shared.relief_correlation import alike_in_form, concordance_in
+from sherd.correspondence.shared.relief_correlation import alike_in_form
 from sherd.correspondence.shared.two_way_placement import SharedPlacement
-from sherd.descriptors.relief import curvatures
 from sherd.puzzle.pairwise.join_chance import (
     LED_STEP,
     UNLIKE_STEP,
-    above,
     ends_with_one,
     lies_within,
     mean_strain,
 )
-from sherd.puzzle.pairwise.sliding import alike_in_reliefs, places_of_reliefs
+from sherd.puzzle.pairwise.sliding import alike_in_reliefs
 
 __all__ = ["SlidChance", "chance_as_it_lies", "chance_where_it_slid", "least_alike"]
 
@@ -82,15 +81,6 @@ OWN_WITHIN, WITHIN_STEP = 0.95, 0.005
 # of a cat have more than many right ones. Of 27 with right answers that are likely by their skin
 # none is lost to 0.70, one to 0.71.
 SIDED, SIDED_STEP = 0.70, 0.01
-# How much more alike curvatures must be than by accident, in standard deviations of that, and how
-# wide the doubt is. On skin without muscles, such as a trunk made of round cones, all that is seen
-# is alike along the back and around it, as there is little to see, and two pieces that only meet
-# are laid over each other: of some 45 such pairs of three generated animals nine were likely (0.69
-# to 0.98). Eight of them have 1.1 to 3.1, one has 4.2, a foreleg on the other one, turned about
-# itself; of a fourth animal one has 3.9, with 0.79. Of 27 right answers to first questions of real
-# animals and people one has 3.5, three about 4.0, the others more; of 21 of generated ones, 3.05
-# (which share 0.04 of the whole), 3.9 and more.
-BY_ACCIDENT, BY_ACCIDENT_STEP = 3.3, 0.3
 # What lies within the other, and of which fewer places than this are more alike than mirrored, lies
 # on its twin if its reliefs are alike. Of twelve limbs on their twins, of two men, a horse, a wolf
 # and a cat, eight have 0.35 to 0.48, four 0.51 to 0.56.
@@ -191,7 +181,7 @@ class _Skin:
     ending
         How surely it ends where one of both pieces does.
     curved
-        How much more alike curvatures are than by accident, in standard deviations.
+        How surely curvatures are more alike than by accident.
     """
 
     seen: float
@@ -208,9 +198,7 @@ class _Skin:
         Only if most places are more alike than mirrored, what is shared ends with one of both, and
         it is as much curved in both, more than by accident.
         """
-        sided = above(self.handed, SIDED, SIDED_STEP)
-        curved = above(self.curved, BY_ACCIDENT, BY_ACCIDENT_STEP)
-        return self.seen * sided * self.ending * curved
+        return self.seen * above(self.handed, SIDED, SIDED_STEP) * self.ending * self.curved
 
     @property
     def by_skin(self) -> float:
@@ -244,7 +232,7 @@ def _skin(
     alike = alike_in_reliefs(questions, placements) - least_alike(area)
     handed = _handed(questions, placements, likeness)
     ending = ends_with_one(questions, placements)
-    curved = _curved_alike(questions, placements)
+    curved = no_accident(questions, placements)
     return _Skin(seen, alike, handed, likeness.leading, ending, curved)
 
 
@@ -259,20 +247,6 @@ def _handed(
     """
     by_relief = share_of_both(handed_by_relief, questions, placements)
     return likeness.handed if by_relief is None else 0.5 * (likeness.handed + by_relief)
-
-
-def _curved_alike(questions: Both[Question], placements: Both[SharedPlacement]) -> float:
-    """How much more alike curvatures are than by accident, in standard deviations of that.
-
-    Reliefs say where bumps are, by rank and less what is around; curvatures also how large they
-    are, and how thick what they are on is. Gaussian or mean ones, whichever are more alike, as the
-    mean one changes where joints bend, and the other one is small on what is straight.
-    """
-    own, other = (curvatures(question.part.mesh) for question in questions)
-    alike = max(
-        concordance_in(each, questions, placements) for each in zip(own, other, strict=True)
-    )
-    return alike * math.sqrt(places_of_reliefs(questions, placements))
 
 
 def least_alike(area: float) -> float:

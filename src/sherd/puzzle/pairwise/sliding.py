@@ -20,25 +20,24 @@ from sherd.correspondence.elastic_kernel import fit_rotations
 from sherd.correspondence.labels.two_way import Both
 from sherd.correspondence.question import Question
 from sherd.correspondence.registration import Deformation
-from sherd.correspondence.shared.independent_places import independent_places
 from sherd.correspondence.shared.relief_correlation import alike_in, seen_area
 from sherd.correspondence.shared.two_way_placement import (
     SharedPlacement,
     drawn_together,
     share_something,
 )
-from sherd.descriptors.relief import relief_and_bulge
+from sherd.descriptors.relief import JUDGED, relief, relief_and_bulge
 from sherd.mesh.geometry import vertex_normals
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.spectral.optical_flow import Sight, flow_field, ranks, slopes
 from sherd.threads import side_by_side
 
-__all__ = ["alike_in_reliefs", "places_of_reliefs", "slid"]
+__all__ = ["alike_in_reliefs", "slid"]
 
 # Bumps of these widths, in sqrt(area) of the larger piece: a slope says how far off its bump is up
 # to about its width, and right answers slide by 0.05 to 0.08; below the last one a slide of the
 # size of an edge is noise.
-WIDTHS = (0.06, 0.04, 0.025)
+WIDTHS = (0.06, *JUDGED)
 # What is seen says more than that the field is smooth about what is wider than this, the finest
 # bump. On one pair of a horse that was off by 0.047 four and two times as much leave 0.024 and
 # 0.018, this 0.014.
@@ -46,9 +45,6 @@ SMOOTH = 0.025
 # Steps at each width, as slopes are straight only so far, and how often both directions slide and
 # are drawn together. The second time moves a right answer by a fifth of the first.
 STEPS, ROUNDS = 4, 2
-# Both finer reliefs judge: the finest tells most, and the next one is not lost by what is left of a
-# slide.
-JUDGING = 2
 
 
 def slid(
@@ -86,26 +82,11 @@ def slid(
 def alike_in_reliefs(questions: Both[Question], placements: Both[SharedPlacement]) -> float:
     """How alike the reliefs of two pieces are where one lies on the other, in [-1, 1].
 
-    Mean over the finer of `WIDTHS`.
+    Mean over the finer of `WIDTHS`, which say whether skin is the same.
     """
-    return float(
-        np.mean([alike_in(fields, questions, placements) for fields in _reliefs(questions)])
-    )
-
-
-def places_of_reliefs(questions: Both[Question], placements: Both[SharedPlacement]) -> float:
-    """As how many independent places reliefs count of which :func:`alike_in_reliefs` says more."""
-    return float(
-        np.mean(
-            [independent_places(fields, questions, placements) for fields in _reliefs(questions)]
-        )
-    )
-
-
-def _reliefs(questions: Both[Question]) -> list[Both[Floats]]:
-    """Of the part of the first question and of the second one's, at the finer widths."""
-    there, here = (_pictures(question.full.mesh)[-JUDGING:] for question in questions)
-    return [(own[0], other[0]) for own, other in zip(here, there, strict=True)]
+    here, there = (question.part.mesh for question in questions)
+    reliefs = [(relief(here, width), relief(there, width)) for width in JUDGED]
+    return float(np.mean([alike_in(fields, questions, placements) for fields in reliefs]))
 
 
 # each question asks for those of both of its surfaces, many times

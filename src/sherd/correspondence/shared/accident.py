@@ -1,8 +1,9 @@
-"""How much a correlation over a surface proves, where what is near is alike anyway.
+"""How surely what two shapes share is alike, and not by accident.
 
 A rank correlation of n independent places scatters by 1 / sqrt(n) where nothing is alike. But what
 is known of neighboring places is nearly the same, on smooth skin far around, so a place says the
-less, the more others near it say the same.
+less, the more others near it say the same: there a few places are all that can be seen, and what is
+alike at all of them proves little.
 
 References
 ----------
@@ -20,16 +21,27 @@ from scipy.spatial.distance import pdist, squareform
 from scipy.stats import rankdata
 
 from sherd.arrays import Floats, Ints
+from sherd.correspondence.confidence import above
 from sherd.correspondence.labels.two_way import Both
 from sherd.correspondence.question import Question
-from sherd.correspondence.shared.relief_correlation import seen_where_laid
+from sherd.correspondence.shared.relief_correlation import concordance_in, seen_where_laid
 from sherd.correspondence.shared.two_way_placement import SharedPlacement
+from sherd.descriptors.relief import JUDGED, curvatures, relief
 
-__all__ = ["independent_places"]
+__all__ = ["independent_places", "no_accident"]
 
 # Pairs whose distances are alike within so much count as so far apart, in sqrt(area) of the larger
 # piece: as dense as labels are, of which no two are nearer.
 STEP = 0.03
+# How much more alike curvatures must be than by accident, in standard deviations of that, and how
+# wide the doubt is. On skin without muscles, such as a trunk made of round cones, all that is seen
+# is alike along the back and around it, as there is little to see, and two pieces that only meet
+# are laid over each other: of some 45 such pairs of three generated animals nine were likely (0.69
+# to 0.98). Eight of them have 1.1 to 3.1, one has 4.2, a foreleg on the other one, turned about
+# itself; of a fourth animal one has 3.9, with 0.79. Of 27 right answers to first questions of real
+# animals and people one has 3.5, three about 4.0, the others more; of 21 of generated ones, 3.05
+# (which share 0.04 of the whole), 3.9 and more.
+ACCIDENT, DOUBT = 3.3, 0.3
 
 
 def independent_places(
@@ -48,6 +60,22 @@ def independent_places(
     """
     both = zip(questions, placements, fields, fields[::-1], strict=True)
     return float(np.mean([_count(*each) for each in both]))
+
+
+def no_accident(questions: Both[Question], placements: Both[SharedPlacement]) -> float:
+    """How surely what is shared is as much curved in both, more than by accident, in [0, 1].
+
+    Reliefs say where bumps are, by rank and less what is around; curvatures also how large they
+    are, and how thick what they are on is. Gaussian or mean ones, whichever are more alike, as the
+    mean one changes where joints bend, and the other one is small on what is straight; beside the
+    standard deviation of an accident over as many independent places as reliefs have.
+    """
+    here, there = (question.part.mesh for question in questions)
+    curved = zip(curvatures(here), curvatures(there), strict=True)
+    alike = max(concordance_in(fields, questions, placements) for fields in curved)
+    reliefs = [(relief(here, width), relief(there, width)) for width in JUDGED]
+    places = np.mean([independent_places(fields, questions, placements) for fields in reliefs])
+    return above(alike * math.sqrt(places), ACCIDENT, DOUBT)
 
 
 def _count(question: Question, place: SharedPlacement, own: Floats, other: Floats) -> float:
