@@ -21,7 +21,7 @@ from sherd.correspondence.shared.two_way_placement import SharedPlacement
 from sherd.mesh.surface_points import closest_points
 from sherd.overlap import questions_of
 from sherd.puzzle.pairwise import skin_chance
-from sherd.puzzle.pairwise.answer import JOINED
+from sherd.puzzle.pairwise.answer import HALF_LIKELY, JOINED, LIKELY
 from sherd.puzzle.pairwise.join_chance import UNLIKE, ends_with_one, may_be_right
 from sherd.puzzle.pairwise.skin_chance import SlidChance, chance_as_it_lies, chance_where_it_slid
 from sherd.puzzle.pairwise.sliding import slid
@@ -310,7 +310,9 @@ def test_what_is_not_as_thick_is_not_the_same_skin(
 ) -> None:
     """Bumps are where they should be, but of another size."""
     monkeypatch.setattr(accident, "concordance_in", lambda *_: 0.3)
-    assert chance_as_it_lies(questions, half, half_likeness).chance < 0.1
+    said = chance_as_it_lies(questions, half, half_likeness)
+    assert HALF_LIKELY <= said.by_skin < LIKELY
+    assert chance_where_it_slid(0.9, questions, half, half_likeness).chance < LIKELY
 
 
 @pytest.mark.parametrize(

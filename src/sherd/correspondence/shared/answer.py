@@ -20,7 +20,7 @@ from sherd.correspondence.labels.labeling import Problem
 from sherd.correspondence.labels.two_way import Both, TwoLabelings, two_way_labelings
 from sherd.correspondence.plausibility import mirrored_energies
 from sherd.correspondence.question import Question
-from sherd.correspondence.shared.accident import no_accident
+from sherd.correspondence.shared.accident import most_by_accident
 from sherd.correspondence.shared.glance import Glance, glance
 from sherd.correspondence.shared.judgment import (
     CLOSER_RISE,
@@ -272,8 +272,8 @@ class _Asked:
             mirrored = self.mirrored_ratio
         is_open = most_open(self.questions, placements)
         log_odds = overlap_log_odds(labelings, mirrored, likeness, is_open)
-        own = no_accident(self.questions, placements)
-        most = max(own * most_chance(labelings, mirrored), LEAST)
+        by_accident = most_by_accident(self.questions, placements)
+        most = min(most_chance(labelings, mirrored), by_accident)
         alike = alike_in(self.forms, self.questions, placements)
         proved = alike * np.sqrt(shared_area(self.questions, placements))
         return SharedAnswer(

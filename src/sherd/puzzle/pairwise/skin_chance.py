@@ -15,7 +15,7 @@ import numpy as np
 from sherd.correspondence.confidence import LEAST, MOST, above
 from sherd.correspondence.labels.two_way import Both
 from sherd.correspondence.question import Question
-from sherd.correspondence.shared.accident import no_accident
+from sherd.correspondence.shared.accident import most_by_accident
 from sherd.correspondence.shared.judgment import share_of_both, shared_area
 from sherd.correspondence.shared.likeness import Likeness, handed_by_relief
 from sherd.correspondence.shared.relief_correlation import alike_in_form
@@ -161,7 +161,7 @@ def chance_where_it_slid(
         chance = before * above(skin.by_skin, OWN_WITHIN, WITHIN_STEP)
     else:
         chance = max(before * above(skin.alike, -SPARED, UNLIKE_STEP), skin.led)
-    chance = float(np.clip(chance, LEAST, MOST))
+    chance = float(np.clip(chance, LEAST, min(skin.most, MOST)))
     return SlidChance(chance, skin.by_skin, skin.fitting, skin.filling)
 
 
@@ -180,8 +180,8 @@ class _Skin:
         share that lead.
     ending
         How surely it ends where one of both pieces does.
-    curved
-        How surely curvatures are more alike than by accident.
+    most
+        What a chance may be at the most, as all may be alike by accident.
     """
 
     seen: float
@@ -189,26 +189,25 @@ class _Skin:
     handed: float
     leading: float
     ending: float
-    curved: float
+    most: float
 
     @property
     def fitting(self) -> float:
         """The chance by all but reliefs.
 
-        Only if most places are more alike than mirrored, what is shared ends with one of both, and
-        it is as much curved in both, more than by accident.
+        Only if most places are more alike than mirrored, and what is shared ends with one of both.
         """
-        return self.seen * above(self.handed, SIDED, SIDED_STEP) * self.ending * self.curved
+        return self.seen * above(self.handed, SIDED, SIDED_STEP) * self.ending
 
     @property
     def by_skin(self) -> float:
         """The same with reliefs."""
-        return self.fitting * above(self.alike, 0.0, UNLIKE_STEP)
+        return min(self.fitting * above(self.alike, 0.0, UNLIKE_STEP), self.most)
 
     @property
     def filling(self) -> float:
         """The same of what fills a gap, where reliefs may be a little less alike."""
-        return self.fitting * above(self.alike, -SPARED_IN_A_GAP, UNLIKE_STEP)
+        return min(self.fitting * above(self.alike, -SPARED_IN_A_GAP, UNLIKE_STEP), self.most)
 
     @property
     def led(self) -> float:
@@ -232,8 +231,8 @@ def _skin(
     alike = alike_in_reliefs(questions, placements) - least_alike(area)
     handed = _handed(questions, placements, likeness)
     ending = ends_with_one(questions, placements)
-    curved = no_accident(questions, placements)
-    return _Skin(seen, alike, handed, likeness.leading, ending, curved)
+    most = most_by_accident(questions, placements)
+    return _Skin(seen, alike, handed, likeness.leading, ending, most)
 
 
 def _handed(
