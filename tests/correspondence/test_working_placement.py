@@ -93,4 +93,5 @@ def test_large_parts_ask_at_some_vertices_and_never_at_those_without_a_face(
     assert len(few.vertices) == 500
     assert (np.diff(few.vertices) > 0).all()
     assert few.vertices.max() < count
-    np.testing.assert_array_equal(few.plain, queries.plain[:, few.vertices])
+    # single precision, summed in another order on some machines
+    np.testing.assert_allclose(few.plain, queries.plain[:, few.vertices], rtol=0, atol=1e-6)

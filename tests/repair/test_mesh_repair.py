@@ -287,7 +287,8 @@ def test_any_damage_ends_in_a_manifold_mesh_or_a_plain_refusal(data):
         return
     assert_manifold(repaired)
     again, more = repair(repaired)
-    assert set(counts(more)) <= {"weld seams", "orient faces"}  # tangled sheets, see repair()
+    # tangled sheets, see repair(): what is welded there may meet along an edge and is split again
+    assert set(counts(more)) <= {"weld seams", "orient faces", "split non-manifold edges"}
     assert_manifold(again)
     assert repaired.area <= mesh.area * (1 + 1e-12)
     original = report.original_vertices
