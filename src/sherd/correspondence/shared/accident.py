@@ -24,9 +24,13 @@ from sherd.arrays import Floats, Ints
 from sherd.correspondence.confidence import above
 from sherd.correspondence.labels.two_way import Both
 from sherd.correspondence.question import Question
-from sherd.correspondence.shared.relief_correlation import concordance_in, seen_where_laid
+from sherd.correspondence.shared.relief_correlation import (
+    concordance_in,
+    judged_reliefs,
+    seen_where_laid,
+)
 from sherd.correspondence.shared.two_way_placement import SharedPlacement
-from sherd.descriptors.relief import JUDGED, curvatures, relief
+from sherd.descriptors.relief import curvatures
 
 __all__ = ["independent_places", "most_by_accident"]
 
@@ -78,7 +82,7 @@ def most_by_accident(questions: Both[Question], placements: Both[SharedPlacement
     here, there = (question.part.mesh for question in questions)
     curved = zip(curvatures(here), curvatures(there), strict=True)
     alike = max(concordance_in(fields, questions, placements) for fields in curved)
-    reliefs = [(relief(here, width), relief(there, width)) for width in JUDGED]
+    reliefs = judged_reliefs(questions)
     places = np.mean([independent_places(fields, questions, placements) for fields in reliefs])
     return EVEN + (1.0 - EVEN) * above(alike * math.sqrt(places), ACCIDENT, DOUBT)
 

@@ -18,7 +18,7 @@ from sherd.correspondence.labels.labeling import Labeling, Problem
 from sherd.correspondence.labels.two_way import Both
 from sherd.correspondence.question import Question
 from sherd.correspondence.shared.two_way_placement import SharedPlacement
-from sherd.descriptors.relief import FINE, form, relief
+from sherd.descriptors.relief import FINE, JUDGED, form, relief
 from sherd.mesh.surface_points import SurfacePoints
 
 __all__ = [
@@ -27,6 +27,7 @@ __all__ = [
     "alike_in_form",
     "alike_in_relief",
     "concordance_in",
+    "judged_reliefs",
     "seen_area",
     "seen_where_laid",
 ]
@@ -73,6 +74,12 @@ def alike_in(
     """
     both = zip(questions, placements, fields, fields[::-1], strict=True)
     return float(np.mean([_alike(*each) for each in both]))
+
+
+def judged_reliefs(questions: Both[Question]) -> list[Both[Floats]]:
+    """The reliefs of both parts, (n,) and (m,), at each of the widths that judge, `JUDGED`."""
+    here, there = (question.part.mesh for question in questions)
+    return [(relief(here, width), relief(there, width)) for width in JUDGED]
 
 
 def concordance_in(

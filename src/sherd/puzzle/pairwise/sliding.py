@@ -20,13 +20,17 @@ from sherd.correspondence.elastic_kernel import fit_rotations
 from sherd.correspondence.labels.two_way import Both
 from sherd.correspondence.question import Question
 from sherd.correspondence.registration import Deformation
-from sherd.correspondence.shared.relief_correlation import alike_in, seen_area
+from sherd.correspondence.shared.relief_correlation import (
+    alike_in,
+    judged_reliefs,
+    seen_area,
+)
 from sherd.correspondence.shared.two_way_placement import (
     SharedPlacement,
     drawn_together,
     share_something,
 )
-from sherd.descriptors.relief import JUDGED, relief, relief_and_bulge
+from sherd.descriptors.relief import JUDGED, relief_and_bulge
 from sherd.mesh.geometry import vertex_normals
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.spectral.optical_flow import Sight, flow_field, ranks, slopes
@@ -84,8 +88,7 @@ def alike_in_reliefs(questions: Both[Question], placements: Both[SharedPlacement
 
     Mean over the finer of `WIDTHS`, which say whether skin is the same.
     """
-    here, there = (question.part.mesh for question in questions)
-    reliefs = [(relief(here, width), relief(there, width)) for width in JUDGED]
+    reliefs = judged_reliefs(questions)
     return float(np.mean([alike_in(fields, questions, placements) for fields in reliefs]))
 
 
