@@ -22,6 +22,7 @@ __all__ = [
     "foreign_vertices",
     "lies_elsewhere",
     "matched_vertices",
+    "measured_chance",
     "share_laid_double",
 ]
 
@@ -57,6 +58,11 @@ def above(value: float, middle: float, step: float) -> float:
     return float(expit((value - middle) / step))
 
 
+def measured_chance(log_odds: float) -> float:
+    """The logarithm of odds as a chance, kept inside [0.005, 0.995]."""
+    return float(np.clip(expit(log_odds), LEAST, MOST))
+
+
 def confidence_features(
     part: DescribedSurface, queries: Queries, best: WorkingPlacement, other: WorkingPlacement
 ) -> Floats:
@@ -81,13 +87,12 @@ def confidence_features(
 
 
 def confidences(features: Floats) -> Floats:
-    """`1 / (1 + exp(-features @ coefficients))`, kept inside [0.005, 0.995].
+    """`1 / (1 + exp(-features @ coefficients))` of (n, 6) features, kept inside [0.005, 0.995].
 
     The coefficients are a logistic regression over animated shapes with known truth; no pair of
     SHREC'16 was used.
     """
-    chance = 1.0 / (1.0 + np.exp(-features @ np.array(COEFFICIENTS)))
-    result: Floats = np.clip(chance, LEAST, MOST)
+    result: Floats = np.clip(expit(features @ np.array(COEFFICIENTS)), LEAST, MOST)
     return result
 
 

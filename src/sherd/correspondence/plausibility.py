@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from sherd.arrays import Floats
-from sherd.correspondence.confidence import LEAST, MOST
+from sherd.correspondence.confidence import measured_chance
 from sherd.correspondence.labels.anchors import energy_ratio, first_labeling
 from sherd.correspondence.labels.labeling import SAME_SCALE, labeling_problem
 from sherd.correspondence.placements import anchor_problem
@@ -96,7 +96,7 @@ def self_likeness(part: DescribedSurface) -> float:
 
 def placement_chance(features: Floats) -> float:
     """`1 / (1 + exp(-features @ coefficients))`, kept inside [0.005, 0.995]."""
-    return _logistic(features, COEFFICIENTS)
+    return measured_chance(float(features @ np.array(COEFFICIENTS)))
 
 
 def first_energy_ratio(
@@ -140,9 +140,5 @@ def belonging_chance(ratio: float, share: float) -> float:
     share
         Area of the part over that of the full shape.
     """
-    return _logistic(np.array([1.0, ratio, np.log(share)]), FIRST_COEFFICIENTS)
-
-
-def _logistic(features: Floats, coefficients: tuple[float, ...]) -> float:
-    chance = 1.0 / (1.0 + np.exp(-features @ np.array(coefficients)))
-    return float(np.clip(chance, LEAST, MOST))
+    features = np.array([1.0, ratio, np.log(share)])
+    return measured_chance(float(features @ np.array(FIRST_COEFFICIENTS)))

@@ -6,9 +6,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.special import logit
 
 from sherd.arrays import Bools, Floats
-from sherd.correspondence.confidence import LEAST, MOST
+from sherd.correspondence.confidence import measured_chance
 from sherd.errors import InfeasibleError
 from sherd.mesh.sides import bulge
 from sherd.mesh.sizes import check_sizes
@@ -268,9 +269,9 @@ def sure_of_side(part: Intake, chance: float) -> bool:
 
 def trial_chance(chance: float, score: float) -> float:
     """The chance that a placement is right, by that of :func:`sherd.match` and its score."""
-    logit = float(np.log(chance / (1.0 - chance)))  # a chance is never 0 or 1
-    exponent = np.array([1.0, logit, score]) @ np.array(COEFFICIENTS)
-    return float(np.clip(1.0 / (1.0 + np.exp(-exponent)), LEAST, MOST))
+    # a chance is never 0 or 1
+    features = np.array([1.0, logit(chance), score])
+    return measured_chance(float(features @ np.array(COEFFICIENTS)))
 
 
 def trials_of(piece: int, placed: PlacedPart, partition: Partition) -> list[Trial]:

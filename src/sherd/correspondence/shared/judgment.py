@@ -7,9 +7,10 @@ from functools import partial
 
 import numpy as np
 from scipy.spatial import cKDTree
+from scipy.special import logit
 
 from sherd.arrays import Bools, Floats, Ints
-from sherd.correspondence.confidence import LEAST, MOST, confidences
+from sherd.correspondence.confidence import LEAST, MOST, confidences, measured_chance
 from sherd.correspondence.labels.two_way import Both, TwoLabelings
 from sherd.correspondence.question import Question
 from sherd.correspondence.shared.glance import Glance
@@ -231,7 +232,7 @@ def overlap_chance(log_odds: float, most: float) -> float:
 
     At least 0.005 and at most :func:`most_chance`.
     """
-    return float(np.clip(1.0 / (1.0 + np.exp(-log_odds)), LEAST, most))
+    return min(measured_chance(log_odds), most)
 
 
 def further_chance(by_labels: float, by_form: float) -> float:
@@ -247,7 +248,7 @@ def further_chance(by_labels: float, by_form: float) -> float:
         :func:`overlap_log_odds` and :func:`form_log_odds` of it.
     """
     log_odds = np.array([1.0, by_labels, by_form]) @ np.array(FURTHER_COEFFICIENTS)
-    return float(np.clip(1.0 / (1.0 + np.exp(-log_odds)), LEAST, MOST))
+    return measured_chance(float(log_odds))
 
 
 def form_log_odds(likeness: Likeness | None, is_open: float, form: float) -> float:
@@ -287,7 +288,7 @@ def may_be_sure(labelings: TwoLabelings, seen: Glance) -> bool:
     """
     ratio = labelings.first_ratio
     log_odds = overlap_log_odds(labelings, ratio, seen.likeness, seen.is_open)
-    sure = float(np.log(SURE / (1.0 - SURE)))
+    sure = float(logit(SURE))
     return labelings.agreement >= CONFIRMED and log_odds > sure - MOST_RISE
 
 

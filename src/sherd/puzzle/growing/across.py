@@ -12,6 +12,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from scipy.special import expit, logit
 
 from sherd.arrays import Bools, Floats, Ints
 from sherd.correspondence.confidence import LEAST, MOST
@@ -122,14 +123,14 @@ def twin_features(image: MatchResult, lying: Meeting) -> Floats:
     chance = float(np.clip(0.0 if image.chance is None else image.chance, LEAST, MOST))
     alike = alike_in_reliefs(questions, placements)
     least = least_alike(shared_area(questions, placements))
-    return np.array([1.0, np.log(chance / (1.0 - chance)), alike - least])
+    return np.array([1.0, logit(chance), alike - least])
 
 
 def _twin_chance(image: MatchResult, lying: Meeting) -> float:
     if not share_something(lying.placements):
         return LEAST
     features = twin_features(image, lying)
-    return float(1.0 / (1.0 + np.exp(-features @ np.array(TWIN_COEFFICIENTS))))
+    return float(expit(features @ np.array(TWIN_COEFFICIENTS)))
 
 
 def _all_told(found: MatchResult) -> Told:

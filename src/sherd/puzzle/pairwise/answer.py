@@ -164,7 +164,7 @@ def one_place(answers: Sequence[Meeting]) -> list[Meeting]:
     rivals = are_rivals(answers[0].questions, [each.placements for each in answers])
     rank = np.argsort(np.argsort(-chances, kind="stable"))
     repeated: Bools = np.any(~rivals & (rank[None, :] < rank[:, None]), axis=1)
-    found = place_chances(np.log(chances / (1.0 - chances)).tolist(), rivals & ~repeated, ())
+    found = place_chances(logit(chances).tolist(), rivals & ~repeated, ())
     return [
         replace(answer, chance=float(chance)) for answer, chance in zip(answers, found, strict=True)
     ]

@@ -11,6 +11,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from scipy.special import expit
 
 from sherd.arrays import Floats, Ints
 from sherd.correspondence.confidence import LEAST, MOST, above
@@ -173,7 +174,7 @@ def fits_a_twin(features: Floats) -> bool:
 
 
 def _but_for_likeness(features: Floats) -> float:
-    return float(1.0 / (1.0 + np.exp(-features[:LEADING] @ np.array(COEFFICIENTS))))
+    return float(expit(features[:LEADING] @ np.array(COEFFICIENTS)))
 
 
 def _fits_mirrored(features: Floats) -> bool:

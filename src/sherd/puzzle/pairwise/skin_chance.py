@@ -11,6 +11,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.special import expit
 
 from sherd.correspondence.confidence import LEAST, MOST, above
 from sherd.correspondence.labels.two_way import Both
@@ -227,7 +228,7 @@ def _skin(
     area = shared_area(questions, placements)
     bulging = alike_in_form(questions, placements)
     features = np.array([1.0, likeness.handed, likeness.leading, strain, bulging])
-    seen = float(1.0 / (1.0 + np.exp(-features @ np.array(SLID_COEFFICIENTS))))
+    seen = float(expit(features @ np.array(SLID_COEFFICIENTS)))
     alike = alike_in_reliefs(questions, placements) - least_alike(area)
     handed = _handed(questions, placements, likeness)
     ending = ends_with_one(questions, placements)

@@ -15,10 +15,11 @@ from dataclasses import replace
 from functools import cache
 
 import numpy as np
+from scipy.special import logit
 from scipy.stats import wasserstein_distance
 
 from sherd.arrays import Floats, Ints
-from sherd.correspondence.confidence import LEAST, MOST
+from sherd.correspondence.confidence import measured_chance
 from sherd.correspondence.shared.two_way_placement import SharedPlacement
 from sherd.puzzle.pairwise.answer import JOINED, Meeting, ground_of
 from sherd.puzzle.pairwise.join_chance import ends_with_one, lies_within
@@ -102,8 +103,7 @@ def beside_their_twins(
 
 
 def _raised(chance: float) -> float:
-    odds = TWIN_ODDS * chance / (1.0 - chance)
-    return float(np.clip(odds / (1.0 + odds), LEAST, MOST))
+    return measured_chance(math.log(TWIN_ODDS) + float(logit(chance)))
 
 
 def _common(answer: Meeting, twin: Meeting) -> float:
