@@ -10,6 +10,7 @@ from sherd.arrays import Ints
 from sherd.errors import InputError, InvalidMeshError, OptionError
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.results.puzzle.assembly import Assembly
+from sherd.results.status import Status
 from sherd.shapes import creature, moved, puzzle_pieces, remeshed
 from sherd.shapes.fragment import Fragment
 from sherd.spectral.surface_distances import SurfaceDistances
@@ -117,6 +118,22 @@ def test_of_two_equal_pieces_one_is_refused_and_says_for_which(template, pieces)
     (refused,) = answer.refused
     assert answer.pieces[refused].instead == 2 - refused
     assert f"piece {2 - refused}" in answer.pieces[refused].reason
+
+
+def test_a_copy_is_not_laid_into_a_gap() -> None:
+    full = creature(5000)
+    first, second, _ = puzzle_pieces(full, [creature(5000, pose="walk"), full, full])
+    answer = sherd.assemble(full, [first.mesh, second.mesh, second.mesh])
+    assert len(answer.placed) == 2
+    (refused,) = answer.refused
+    assert answer.pieces[refused].instead == 3 - refused
+    assert answer.gap_share > 0.2
+
+
+def test_chances_of_pieces_are_those_that_their_answers_speak_of(answer) -> None:
+    for piece in answer.pieces:
+        assert piece.match.chance == piece.chance
+        assert piece.sure == (piece.match.status is Status.GOOD)
 
 
 def test_scans_of_one_region_may_overlap_if_allowed(template, pieces) -> None:

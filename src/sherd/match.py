@@ -139,10 +139,14 @@ def match_one_side(
 
 def match_result(placed: PlacedPart, stages: Stages) -> MatchResult:
     """The answer for a placed part: confidence, region and what to think of it."""
+    return judged_result(placed, placed.chance, stages)
+
+
+def judged_result(placed: PlacedPart, chance: float, stages: Stages) -> MatchResult:
+    """The answer for a placed part whose place is right with this chance, whatever says so."""
     template, part, options = placed.template, placed.part, placed.options
     question, best, twin = placed.question, placed.best, placed.twin
     surface, rival = question.part, placed.equal_rival
-    chance = placed.chance if rival is None else _chance_of_either(placed.chance)
     way_back = WayBack(template.intake, part, placed.kept)
     alternatives = begun(lambda: _alternatives(way_back, best, placed.rival, twin))
     points = begun(lambda: best.points)
@@ -172,12 +176,12 @@ def match_result(placed: PlacedPart, stages: Stages) -> MatchResult:
             {"full": template.mesh.vertex_count, "part": surface.mesh.vertex_count}
         ),
         notices=MappingProxyType({"full": template.intake.notices, "part": part.notices}),
-        chance=chance,
+        chance=chance if rival is None else _chance_of_either(chance),
     )
     original_normals(template.intake)  # known now, the check need not repair the full shape again
     unknown = options.scale == "unknown"
     doubts = Doubts(
-        chance=placed.chance,
+        chance=chance,
         featureless=self_likeness(surface) > FEATURELESS,
         elsewhere=rival is not None,
         twin=twin is not None and twin.score > best.score + _twin_margin(surface),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -11,6 +12,7 @@ from sherd.assemble import assemble
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.output import Stages
 from sherd.puzzle import trials
+from sherd.puzzle.company import choice_in_company
 from sherd.puzzle.joint_choice import Candidate
 from sherd.puzzle.trials import Trial, chosen_together
 from sherd.results.match_options import MatchOptions
@@ -45,6 +47,24 @@ def test_a_place_that_another_piece_has_and_the_same_place_again_raise_no_doubt(
     assert chances(trial(0, left), trial(0, right), trial(1, sure))[0] == pytest.approx(0.7)
     again = candidate(0.0, 0.26, 0.6)
     assert chances(trial(0, left), trial(0, again))[0] == pytest.approx(0.7)
+
+
+def test_what_is_chosen_for_a_gap_but_does_not_belong_there_is_refused(monkeypatch) -> None:
+    def with_doubt(pieces, areas, *, may_overlap):
+        choice, judged = choice_in_company(pieces, areas, may_overlap=may_overlap)
+        # what fills a gap is likely enough to be chosen, and the chance that is given is less
+        lower = [[replace(each, chance=each.chance / 10) for each in some] for some in judged[1:]]
+        return choice, [judged[0], *lower]
+
+    monkeypatch.setattr(trials, "choice_in_company", with_doubt)
+    sure, left, right = (
+        trial(0, candidate(0.0, 0.4, 0.9)),
+        trial(1, candidate(0.4, 0.7, 0.6)),
+        trial(1, candidate(0.7, 1.0, 0.5)),
+    )
+    assert chances(sure, left, right) == {0: pytest.approx(0.9)}
+    monkeypatch.setattr(trials, "FOREIGN", 0.04)
+    assert set(chances(sure, left, right)) == {0, 1}
 
 
 def test_a_rival_elsewhere_is_no_trial_of_its_own(monkeypatch) -> None:

@@ -9,7 +9,7 @@ from types import MappingProxyType
 import numpy as np
 
 from sherd.arrays import Floats, Ints
-from sherd.match import match_result
+from sherd.match import judged_result
 from sherd.output import Stages
 from sherd.place import PlacedPart
 from sherd.puzzle.border import REACH, border_of
@@ -122,17 +122,17 @@ def _answer(
         return PieceAnswer(intake.original, placed=False, reason=reason, chance=0.0)
     if piece in decision.placed:
         trial = replace(decision.chosen[piece], placed=_beside_others(piece, decision.placed))
-        result = _result(trial, options, stages)
+        result = _result(trial, trial.chance, options, stages)
         return PieceAnswer(
             result.part,
             placed=True,
-            reason=_place_words(result, trial.chance),
-            chance=trial.chance,
+            reason=result.advice,
+            chance=trial.chance if result.chance is None else result.chance,
             match=result,
             transform=None if trial.motion is None else trial.motion.matrix,
         )
     alone = next(trial for trial in decision.trials if trial.piece == piece)
-    result = _result(alone, options, stages)
+    result = _result(alone, alone.placed.chance, options, stages)
     instead = None if result.status is Status.FOREIGN else _rival(alone, decision.chosen)
     return PieceAnswer(
         result.part,
@@ -144,12 +144,12 @@ def _answer(
     )
 
 
-def _result(trial: Trial, options: AssembleOptions, stages: Stages) -> MatchResult:
-    """What a match would say of the piece where it lies, rigid or not."""
-    result = match_result(trial.placed, stages)
+def _result(trial: Trial, chance: float, options: AssembleOptions, stages: Stages) -> MatchResult:
+    """What to think of a piece where it lies with this chance, rigid or not."""
+    result = judged_result(trial.placed, chance, stages)
     if trial.motion is None:
         return result
-    return rigid_answer(result, trial.motion, trial.placed.chance, options.closeness)
+    return rigid_answer(result, trial.motion, chance, options.closeness)
 
 
 def _beside_others(piece: int, placed: Mapping[int, PlacedPart]) -> PlacedPart:
@@ -164,15 +164,6 @@ def _beside_others(piece: int, placed: Mapping[int, PlacedPart]) -> PlacedPart:
     there = own.rival.mask
     free = float(areas @ (there & ~taken)) >= (1.0 - CLASH) * float(areas @ there)
     return own if free else replace(own, rival=None)
-
-
-def _place_words(result: MatchResult, chance: float) -> str:
-    """What to think of the place of a piece."""
-    if result.status is Status.GOOD and chance < SURE:
-        return (
-            f"doubtful: the chance that this is its place is {chance:.2f}; look at it in the report"
-        )
-    return result.advice
 
 
 def _rival(alone: Trial, chosen: Mapping[int, Trial]) -> int | None:

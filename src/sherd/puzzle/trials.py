@@ -20,7 +20,7 @@ from sherd.puzzle.company import choice_in_company
 from sherd.puzzle.joint_choice import Candidate, shared_areas
 from sherd.puzzle.partition import Partition
 from sherd.puzzle.rigid.motion import RigidMotion
-from sherd.results.advice import SURE
+from sherd.results.advice import FOREIGN, SURE
 from sherd.results.match_options import MatchOptions
 from sherd.scan.either_side import SURE_BULGE, better_side
 from sherd.scan.intake import Intake
@@ -155,8 +155,28 @@ def chosen_together(
         Of `count` pieces; those that are refused have none in the answer.
     areas, may_overlap
         As in :func:`sherd.puzzle.joint_choice.joint_choice`.
+
+    Notes
+    -----
+    A gap that a piece fills speaks for it in the choice, but not for the chance that is given: see
+    :mod:`sherd.puzzle.company`. So a copy of a piece that lies somewhere else may be chosen for a
+    gap of about its size. What has so small a chance then that a match would be said not to belong
+    is taken out of the trials, and the rest is chosen anew.
     """
     own = [[trial for trial in trials if trial.piece == k] for k in range(count)]
+    while True:
+        found, energy = _chosen_together(own, areas, may_overlap=may_overlap)
+        least = min(found.values(), key=lambda trial: trial.chance, default=None)
+        if least is None or least.chance >= FOREIGN:
+            return found, energy
+        taken = least.candidate.region
+        own[least.piece] = [each for each in own[least.piece] if each.candidate.region is not taken]
+
+
+def _chosen_together(
+    own: Sequence[Sequence[Trial]], areas: Floats, *, may_overlap: bool
+) -> tuple[dict[int, Trial], float]:
+    """By piece the trial of its own that is chosen, with its chance; and the energy."""
     choice, judged = choice_in_company(
         [[trial.candidate for trial in some] for some in own], areas, may_overlap=may_overlap
     )

@@ -150,8 +150,8 @@ def repair(
     repaired : TriangleMesh
         With all default steps, a mesh whose edges have one or two faces, whose vertices have one
         fan of faces, and whose faces agree with their neighbors. Repairing it again changes
-        nothing, save that sheets tangled at an edge may be joined in one more place. The same
-        object if there was nothing to do.
+        nothing, save that sheets tangled at an edge may be joined in one more place, or be
+        joined there and separated in another. The same object if there was nothing to do.
     report : RepairReport
         What was done, and the old numbering.
 
