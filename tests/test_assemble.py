@@ -9,6 +9,7 @@ import sherd
 from sherd.arrays import Ints
 from sherd.errors import InputError, InvalidMeshError, OptionError
 from sherd.mesh.triangle_mesh import TriangleMesh
+from sherd.results import advice
 from sherd.results.puzzle.assembly import Assembly
 from sherd.results.status import Status
 from sherd.shapes import creature, moved, puzzle_pieces, remeshed
@@ -134,6 +135,15 @@ def test_chances_of_pieces_are_those_that_their_answers_speak_of(answer) -> None
     for piece in answer.pieces:
         assert piece.match.chance == piece.chance
         assert piece.sure == (piece.match.status is Status.GOOD)
+
+
+def test_a_doubtful_place_says_who_takes_landmarks(template, pieces, monkeypatch) -> None:
+    monkeypatch.setattr(advice, "SURE", 1.0)
+    (found,) = sherd.assemble(template, [pieces[0].mesh]).pieces
+    assert found.placed
+    assert not found.sure
+    assert found.reason.startswith("doubtful: the chance that the placement is right is 0.")
+    assert found.reason.endswith("can be given to sherd match, of this piece alone")
 
 
 def test_scans_of_one_region_may_overlap_if_allowed(template, pieces) -> None:

@@ -126,7 +126,7 @@ def _answer(
         return PieceAnswer(
             result.part,
             placed=True,
-            reason=result.advice,
+            reason=_place_words(trial, result),
             chance=trial.chance if result.chance is None else result.chance,
             match=result,
             transform=None if trial.motion is None else trial.motion.matrix,
@@ -150,6 +150,13 @@ def _result(trial: Trial, chance: float, options: AssembleOptions, stages: Stage
     if trial.motion is None:
         return result
     return rigid_answer(result, trial.motion, chance, options.closeness)
+
+
+def _place_words(trial: Trial, result: MatchResult) -> str:
+    """What to think of the place of a piece, and who takes what a match advises to give."""
+    if result.status is Status.GOOD or trial.motion is not None:
+        return result.advice
+    return f"{result.advice}; landmarks and units can be given to sherd match, of this piece alone"
 
 
 def _beside_others(piece: int, placed: Mapping[int, PlacedPart]) -> PlacedPart:
