@@ -7,10 +7,15 @@ import pytest
 import trimesh
 
 import sherd
+from sherd.correspondence.labels.labeling import Problem
 from sherd.mesh.triangle_mesh import TriangleMesh
+from sherd.puzzle.rigid import rigid_trials
+from sherd.puzzle.rigid.motion import RigidMotion
 from sherd.puzzle.rigid.rigid_trials import rigid_chance
 from sherd.puzzle.rigid.surface_fit import roughness
+from sherd.puzzle.rigid.voting import voted_motions
 from sherd.results.puzzle.assemble_options import TOLERANCE
+from sherd.results.puzzle.assembly import PieceAnswer
 from sherd.results.status import Status
 from sherd.shapes import Sherd, vase, vase_sherds
 
@@ -60,6 +65,31 @@ def test_a_sherd_of_another_vase_is_refused(answer) -> None:
     found, _ = answer
     assert not found.pieces[2].placed
     assert found.pieces[2].match.status is Status.FOREIGN
+
+
+def test_a_place_that_no_vote_is_for_is_searched_for(monkeypatch) -> None:
+    """As of a small sherd, all of whose neighborhoods have a face of fracture in them."""
+    full = vase(8000, seed=1)
+    piece = vase_sherds(16, vertex_count=8000, seed=1)[3]
+
+    def answer() -> PieceAnswer:
+        return sherd.assemble(full, [piece.mesh], rigid=True).pieces[0]
+
+    def voted(problem: Problem, count: int) -> list[RigidMotion]:
+        nodes = problem.question.part.mesh.vertices[problem.nodes.vertices]
+        first, *others = voted_motions(problem, count)  # the first is right
+        return [
+            other
+            for other in others
+            if np.linalg.norm(other(nodes) - first(nodes), axis=1).mean() > 0.3
+        ]
+
+    monkeypatch.setattr(rigid_trials, "voted_motions", voted)
+    found = answer()
+    monkeypatch.setattr(rigid_trials, "HOPS", 0)
+    assert not answer().placed
+    assert found.sure
+    assert np.abs(found.transform - piece.transform).max() < 0.02
 
 
 def test_what_fits_all_around_is_refused_with_the_reason() -> None:

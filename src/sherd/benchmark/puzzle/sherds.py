@@ -20,12 +20,14 @@ from sherd.shapes.vase import Sherd, vase, vase_sherds
 
 __all__ = ["KINDS", "SherdRow", "sherd_benchmark", "sherd_table"]
 
-# A vase breaks into so many sherds, of which some are given, and some of another vase, which has
-# the same profile and another relief: places of the missing ones are free for these.
+# A vase breaks into so many sherds if its kind says nothing else, of which some are given, and some
+# of another vase, which has the same profile and another relief: places of the missing ones are
+# free for these.
 BROKEN, GIVEN, FOREIGN = 7, 4, 3
 # How a kind differs from the defaults of `vase` and `vase_sherds`. Lengths in sqrt(area): the noise
 # is a millimeter on a vase of half a meter and more than a scanner's; edges worn round at 0.015 are
-# half as round as the wall is thick.
+# half as round as the wall is thick. Small sherds have a twentieth of the area each, and no
+# neighborhood without a face of fracture.
 KINDS: Mapping[str, Mapping[str, float]] = MappingProxyType(
     {
         "clean": {},
@@ -33,6 +35,7 @@ KINDS: Mapping[str, Mapping[str, float]] = MappingProxyType(
         "noisy": {"noise": 0.0005},
         "worn": {"worn": 0.015},
         "coarse": {"vertex_count": 8000},
+        "small": {"count": 24},
     }
 )
 # A sherd that is farther off on average lies elsewhere, in sqrt(area).
@@ -153,11 +156,11 @@ def _line(name: str, rows: Sequence[SherdRow]) -> str:
 
 
 def _measured(broken: _Broken) -> SherdRow:
-    settings: dict[str, Any] = dict(KINDS[broken.kind])
+    settings: dict[str, Any] = {"count": BROKEN, **KINDS[broken.kind]}
     shape = {key: settings[key] for key in ("vertex_count", "relief") if key in settings}
     full = vase(seed=broken.seed, **shape)
-    own = vase_sherds(BROKEN, seed=broken.seed, **settings)[:GIVEN]
-    foreign = vase_sherds(BROKEN, seed=OTHERS + broken.seed, **settings)[:FOREIGN]
+    own = vase_sherds(seed=broken.seed, **settings)[:GIVEN]
+    foreign = vase_sherds(seed=OTHERS + broken.seed, **settings)[:FOREIGN]
     start = time.perf_counter()
     answer = assemble(full, [each.mesh for each in (*own, *foreign)], rigid=True)
     seconds = time.perf_counter() - start

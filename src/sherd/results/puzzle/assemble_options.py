@@ -35,7 +35,7 @@ class AssembleOptions:
         For rigid pieces: points of a piece farther from the full shape than this, in its
         sqrt(area), count as worn and do not say where the piece lies. It is placed if it is off by
         a thirtieth of this and less, as a geometric mean, or by what its mesh and that of the full
-        shape may be off by, and fits 2.4 times as closely as elsewhere. More for scans that are
+        shape may be off by, and fits 2.65 times as closely as elsewhere. More for scans that are
         off as a whole; less than 0.005 counts as 0.005.
     side
         As in :class:`sherd.MatchOptions`.
