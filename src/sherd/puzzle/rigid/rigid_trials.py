@@ -43,7 +43,6 @@ from sherd.results.advice import FOREIGN, SURE
 from sherd.results.match_options import MatchOptions
 from sherd.scan.either_side import better_side
 from sherd.scan.intake import Intake
-from sherd.surface.described import DescribedSurface
 from sherd.surface.template import Template
 
 __all__ = ["RigidPart", "rigid_chance", "rigid_trials"]
@@ -194,82 +193,121 @@ def _places(
     exact = min(roughness(mesh) + roughness(full.mesh), COARSEST * tolerance)
     with stages("first placement"):
         few, probe = Probe.of(mesh, FIRST_SAMPLES, rng), Probe.of(mesh, SAMPLES, rng)
-        near = _near(voted, [], few, probe, question, tolerance)
-        for _ in range(HOPS):
-            lying = [fit for fit in near[:HOPPED] if fit.share > LYING]
-            if not lying or _is_settled(near, exact, tolerance):
-                break
-            hops = [hop for fit in lying for hop in _nudged(fit.motion, probe, HOPS_EACH, rng)]
-            near = _near(hops, near, few, probe, question, tolerance)
+        search = _Search(question, few, probe, exact, tolerance, rng)
+        near = search.hopping_on(search.near(voted))
     with stages("second placement"):
-        best = _drawn(near, [], probe, question, tolerance)
+        best = search.drawn(near)
         if len(best) < ENOUGH_PLACES:
-            nudged = _nudged(best[0].motion, probe, NUDGED, rng)
-            beside = _near(nudged, [], few, probe, question, tolerance)
-            best = _drawn(beside, best, probe, question, tolerance)
+            best = search.drawn(search.near(search.nudged(best[0].motion, NUDGED)), best)
         last = Probe.of(question.part.placed, LAST_SAMPLES, rng)
         found = []
         for fit in best[:PLACES]:
-            chance = _chance_of(fit, best, exact, tolerance)
-            closely = _chance_of(fit, [fit], exact, tolerance)
+            chance = search.chance(fit, best)
+            closely = search.chance(fit, ())
             if fit is best[0] or chance >= FOREIGN:
                 motion = _drawn_at_last(fit.motion, last, full.own_finder, tolerance)
                 found.append(_laid(asked, queries(), replace(fit, motion=motion), chance, closely))
         return found
 
 
-def _chance_of(
-    fit: SurfaceFit, fits: Sequence[SurfaceFit], exact: float, tolerance: float
-) -> float:
-    """The chance of one of several places; `exact` is what a surface that lies there is off by."""
-    elsewhere = [other.distance for other in fits if other is not fit]
-    # a distance counts what does not lie there as off by the tolerance
-    counted = exact**fit.share * tolerance ** (1.0 - fit.share)
-    return rigid_chance(fit.distance, elsewhere, counted, tolerance)
+@dataclass(frozen=True, eq=False)
+class _Search:
+    """What looks for the places of one piece.
 
-
-def _is_settled(fits: Sequence[SurfaceFit], exact: float, tolerance: float) -> bool:
-    """Whether nothing is left to search for: the closest of all places stands out, or never will.
-
-    Where three places fit as the same surface does, a piece fits all around.
+    Attributes
+    ----------
+    question
+        The piece on the full shape.
+    few, probe
+        Vertices of it that draw it near, and those that say how well it fits.
+    exact
+        What a surface that lies on the full shape may be off by.
+    tolerance
+        What is farther off does not lie there.
+    rng
+        Of nudges.
     """
-    stands_out = _chance_of(fits[0], fits, exact, tolerance) >= SURE
-    return stands_out or all(
-        _chance_of(fit, [fit], exact, tolerance) >= SURE for fit in fits[:ENOUGH_PLACES]
-    )
 
+    question: Question
+    few: Probe
+    probe: Probe
+    exact: float
+    tolerance: float
+    rng: np.random.Generator
 
-def _near(
-    motions: Sequence[RigidMotion],
-    known: Sequence[SurfaceFit],
-    few: Probe,
-    probe: Probe,
-    question: Question,
-    tolerance: float,
-) -> list[SurfaceFit]:
-    """Motions drawn to the nearest vertices, and known ones: one a place, the closest first."""
-    full = question.full
-    drawn = [drawn_to_vertices(each, few, full, tolerance) for each in motions]
-    fits = [fit_of(each, probe, full.finder, tolerance) for each in drawn]
-    return _different([*known, *fits], question.part)
+    def near(
+        self, motions: Sequence[RigidMotion], known: Sequence[SurfaceFit] = ()
+    ) -> list[SurfaceFit]:
+        """Motions drawn to the nearest vertices, and known ones: one a place, the closest first."""
+        full = self.question.full
+        drawn = [drawn_to_vertices(each, self.few, full, self.tolerance) for each in motions]
+        return self._different([*known, *map(self._fit, drawn)])
 
+    def hopping_on(self, places: list[SurfaceFit]) -> list[SurfaceFit]:
+        """These places, and those that the search hops to from the closest of them."""
+        for _ in range(HOPS):
+            lying = [fit for fit in places[:HOPPED] if fit.share > LYING]
+            if not lying or self._settled(places):
+                break
+            hops = [hop for fit in lying for hop in self.nudged(fit.motion, HOPS_EACH)]
+            places = self.near(hops, places)
+        return places
 
-def _drawn(
-    places: Sequence[SurfaceFit],
-    known: Sequence[SurfaceFit],
-    probe: Probe,
-    question: Question,
-    tolerance: float,
-) -> list[SurfaceFit]:
-    """Places drawn to the surface, beside those that are known, until there are `CLOSEST`."""
-    found, finder = list(known), question.full.finder
-    # what was apart may be drawn to one place
-    for each in places[:MOST_DRAWN]:
-        if len(found) >= CLOSEST:
-            break
-        drawn = drawn_to_surface(each.motion, probe, finder, tolerance, rounds=FEW_ROUNDS)
-        found = _different([*found, fit_of(drawn, probe, finder, tolerance)], question.part)
-    return found
+    def drawn(
+        self, places: Sequence[SurfaceFit], known: Sequence[SurfaceFit] = ()
+    ) -> list[SurfaceFit]:
+        """Places drawn to the surface, beside those that are known, until there are `CLOSEST`."""
+        found, finder = list(known), self.question.full.finder
+        # what was apart may be drawn to one place
+        for each in places[:MOST_DRAWN]:
+            if len(found) >= CLOSEST:
+                break
+            motion = drawn_to_surface(
+                each.motion, self.probe, finder, self.tolerance, rounds=FEW_ROUNDS
+            )
+            found = self._different([*found, self._fit(motion)])
+        return found
+
+    def nudged(self, motion: RigidMotion, count: int) -> list[RigidMotion]:
+        """Motions beside one: the piece shifted and turned about its middle at random."""
+        middle = np.average(motion(self.probe.points), axis=0, weights=self.probe.areas)
+        found = []
+        for _ in range(count):
+            turn = Rotation.from_rotvec(NUDGE_TURN * self.rng.normal(size=3)).as_matrix()
+            shift = middle + NUDGE * self.rng.normal(size=3) - turn @ middle
+            found.append(RigidMotion(turn, shift).after(motion))
+        return found
+
+    def chance(self, fit: SurfaceFit, places: Sequence[SurfaceFit]) -> float:
+        """The chance of one of several places."""
+        elsewhere = [other.distance for other in places if other is not fit]
+        # a distance counts what does not lie there as off by the tolerance
+        counted = self.exact**fit.share * self.tolerance ** (1.0 - fit.share)
+        return rigid_chance(fit.distance, elsewhere, counted, self.tolerance)
+
+    def _settled(self, places: Sequence[SurfaceFit]) -> bool:
+        """Whether nothing is left to search for: the closest place stands out, or never will.
+
+        Where three places fit as the same surface does, a piece fits all around.
+        """
+        stands_out = self.chance(places[0], places) >= SURE
+        return stands_out or all(self.chance(fit, ()) >= SURE for fit in places[:ENOUGH_PLACES])
+
+    def _fit(self, motion: RigidMotion) -> SurfaceFit:
+        return fit_of(motion, self.probe, self.question.full.finder, self.tolerance)
+
+    def _different(self, fits: Sequence[SurfaceFit]) -> list[SurfaceFit]:
+        """One fit for each place, the closest one first."""
+        surface = self.question.part
+        nodes = surface.mesh.vertices[surface.sparse.vertices]
+        same = min(SAME_PLACE, TURNED * extent(nodes))
+        found: list[SurfaceFit] = []
+        for fit in sorted(fits, key=lambda each: each.distance):
+            here = fit.motion(nodes)
+            apart = [np.linalg.norm(here - each.motion(nodes), axis=1).mean() for each in found]
+            if min(apart, default=np.inf) >= same:
+                found.append(fit)
+        return found
 
 
 def _drawn_at_last(
@@ -279,19 +317,6 @@ def _drawn_at_last(
     drawn = drawn_to_surface(motion, probe, finder, tolerance)
     fits = [fit_of(each, probe, finder, tolerance) for each in (drawn, motion)]
     return min(fits, key=lambda fit: fit.distance).motion
-
-
-def _nudged(
-    motion: RigidMotion, probe: Probe, count: int, rng: np.random.Generator
-) -> list[RigidMotion]:
-    """Motions beside one: the piece shifted and turned about its middle at random."""
-    middle = np.average(motion(probe.points), axis=0, weights=probe.areas)
-    found = []
-    for _ in range(count):
-        turn = Rotation.from_rotvec(NUDGE_TURN * rng.normal(size=3)).as_matrix()
-        shift = middle + NUDGE * rng.normal(size=3) - turn @ middle
-        found.append(RigidMotion(turn, shift).after(motion))
-    return found
 
 
 def _laid(
@@ -321,19 +346,6 @@ def _laid(
         anywhere=chance < SURE <= closely,
     )
     return _Laid(placed, _in_files(motion, placed), fit)
-
-
-def _different(fits: Sequence[SurfaceFit], surface: DescribedSurface) -> list[SurfaceFit]:
-    """One fit for each place, the closest one first."""
-    nodes = surface.mesh.vertices[surface.sparse.vertices]
-    same = min(SAME_PLACE, TURNED * extent(nodes))
-    found: list[SurfaceFit] = []
-    for fit in sorted(fits, key=lambda each: each.distance):
-        here = fit.motion(nodes)
-        apart = [np.linalg.norm(here - each.motion(nodes), axis=1).mean() for each in found]
-        if min(apart, default=np.inf) >= same:
-            found.append(fit)
-    return found
 
 
 def _in_files(motion: RigidMotion, placed: PlacedPart) -> RigidMotion:
