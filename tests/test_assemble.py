@@ -67,9 +67,8 @@ def test_each_piece_is_placed_and_each_vertex_given_to_its_piece(answer, pieces)
     assert areas @ right / areas.sum() > 0.96
     distances = SurfaceDistances(answer.full)
     for piece, found in zip(pieces, answer.pieces, strict=True):
-        assert (
-            distances.between(piece.truth, found.match.points).mean() < 0.015
-        )  # two thirds of an edge
+        error = distances.between(piece.truth, found.match.points).mean()
+        assert error < 0.015  # two thirds of an edge
 
 
 def test_memberships_are_at_least_0_and_sum_to_1(answer) -> None:
