@@ -10,14 +10,17 @@ import numpy as np
 import pytest
 
 from sherd.arrays import Floats
+from sherd.correspondence.shared import relief_correlation
 from sherd.correspondence.shared.accident import independent_places
 from sherd.correspondence.shared.relief_correlation import (
     alike_in,
     alike_in_form,
     alike_in_relief,
+    alike_where_laid,
     concordance_in,
 )
 from sherd.descriptors.relief import curvatures, form, relief
+from sherd.mesh.surface_finder import SurfaceFinder
 from sherd.mesh.surface_points import SurfacePoints, closest_points, points_at_vertices
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.puzzle.pairwise.join_chance import UNLIKE
@@ -110,6 +113,27 @@ def test_one_vertex_that_is_shared_says_nothing(poses) -> None:
     question, place = laid(mesh, mesh, points_at_vertices(mesh, np.arange(mesh.vertex_count)))
     place.shared = np.arange(mesh.vertex_count) == 7
     assert alike_in_relief((question, question), (place, place)) == 0.0
+
+
+def alike_laid_at(here: TriangleMesh, there: TriangleMesh, positions: Floats) -> float | None:
+    question, _ = laid(here, there, points_at_vertices(there, np.arange(there.vertex_count)))
+    question.full.finder = SurfaceFinder(there)
+    return alike_where_laid(question, SimpleNamespace(positions=positions))
+
+
+def test_what_is_laid_whole_is_as_alike_as_what_shares_all(poses) -> None:
+    here, there = poses
+    center = there.vertices.mean(axis=0)
+    turned = (there.vertices - center) * HALF_TURN + center
+    assert alike_laid_at(here, there, there.vertices) == pytest.approx(likeness(*poses), abs=0.05)
+    assert alike_laid_at(here, there, turned) < UNLIKE
+
+
+def test_what_lies_at_cuts_only_is_not_judged_by_its_relief(poses, monkeypatch) -> None:
+    monkeypatch.setattr(
+        relief_correlation, "seen_area", lambda *_: np.zeros(len(poses[0].vertices))
+    )
+    assert alike_laid_at(*poses, poses[1].vertices) is None
 
 
 @pytest.fixture(scope="module")

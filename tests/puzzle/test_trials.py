@@ -63,15 +63,26 @@ def test_what_is_chosen_for_a_gap_but_does_not_belong_there_is_refused(monkeypat
         trial(1, candidate(0.7, 1.0, 0.5)),
     )
     assert chances(sure, left, right) == {0: pytest.approx(0.9)}
-    monkeypatch.setattr(trials, "FOREIGN", 0.04)
+    monkeypatch.setattr(trials, "LEAST_CHANCE", 0.04)
     assert set(chances(sure, left, right)) == {0, 1}
+
+
+def test_what_its_skin_contradicts_is_refused_and_what_it_confirms_is_surer() -> None:
+    there = trial(0, candidate(0.0, 0.4, 0.5))
+    assert chances(replace(there, by_skin=-2.0)) == {}
+    assert chances(replace(there, by_skin=1.0)) == {0: pytest.approx(1 / (1 + np.exp(-1.0)))}
+    # where it lies against its skin it has no other place in the way
+    left, right = trial(0, candidate(0.0, 0.4, 0.7)), trial(0, candidate(0.6, 1.0, 0.6))
+    chosen, _ = chosen_together([replace(left, by_skin=-2.0), right], 1, MESH.vertex_areas)
+    assert chosen[0].candidate is not left.candidate
 
 
 def test_a_rival_elsewhere_is_no_trial_of_its_own(monkeypatch) -> None:
     def placement(score: float, *rows: int) -> SimpleNamespace:
         return SimpleNamespace(score=score, mask=np.isin(np.arange(4), rows))
 
-    monkeypatch.setattr(trials, "trial_at", lambda piece, placed, partition, chance: placed.best)
+    monkeypatch.setattr(trials, "skin_log_odds", lambda placement: 0.0)
+    monkeypatch.setattr(trials, "trial_at", lambda piece, placed, *_, **__: placed.best)
     best = placement(0.8, 0, 1)
     placed = SimpleNamespace(
         chance=0.5, best=best, other=placement(0.7, 0, 1), rival=placement(0.79, 2, 3)

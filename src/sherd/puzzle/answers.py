@@ -134,11 +134,12 @@ def _answer(
     alone = next(trial for trial in decision.trials if trial.piece == piece)
     result = _result(alone, alone.placed.chance, options, stages)
     instead = None if result.status is Status.FOREIGN else _rival(alone, decision.chosen)
+    chance = alone.also_by_skin(alone.chance)
     return PieceAnswer(
         result.part,
         placed=False,
-        reason=_refusal(alone, instead),
-        chance=alone.chance,
+        reason=_refusal(alone, instead, chance),
+        chance=chance,
         match=result,
         instead=instead,
     )
@@ -182,7 +183,7 @@ def _rival(alone: Trial, chosen: Mapping[int, Trial]) -> int | None:
     return max(rivals, key=lambda k: float(areas @ (core & chosen[k].candidate.core)), default=None)
 
 
-def _refusal(alone: Trial, instead: int | None) -> str:
+def _refusal(alone: Trial, instead: int | None, chance: float) -> str:
     if instead is not None:
         return (
             f"fits only where piece {instead} lies, which fits better; elsewhere nothing is alike "
@@ -194,12 +195,12 @@ def _refusal(alone: Trial, instead: int | None) -> str:
             "around, what is alike on several sides on each, and so does a piece of another such "
             "thing; larger pieces may tell"
         )
-    if alone.chance >= SURE:
+    if chance >= SURE:
         return (
-            f"fits with a chance of {alone.chance:.2f}, but has too little area for its border to "
+            f"fits with a chance of {chance:.2f}, but has too little area for its border to "
             "be told from one that fits by accident; give a larger piece"
         )
-    said = f"does not belong: the chance that its best place is right is {alone.chance:.2f}; "
+    said = f"does not belong: the chance that its best place is right is {chance:.2f}; "
     if isinstance(alone.placed, RigidPart):
         return (
             f"{said}if it is worn or coarse give a larger tolerance, if it is bent leave rigid "

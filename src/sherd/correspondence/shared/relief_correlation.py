@@ -17,8 +17,10 @@ from sherd.correspondence.labels.consistent import node_areas
 from sherd.correspondence.labels.labeling import Labeling, Problem
 from sherd.correspondence.labels.two_way import Both
 from sherd.correspondence.question import Question
+from sherd.correspondence.registration import Deformation
 from sherd.correspondence.shared.two_way_placement import SharedPlacement
 from sherd.descriptors.relief import FINE, JUDGED, form, relief
+from sherd.mesh.geometry import vertex_normals
 from sherd.mesh.surface_points import SurfacePoints
 
 __all__ = [
@@ -26,6 +28,7 @@ __all__ = [
     "alike_in",
     "alike_in_form",
     "alike_in_relief",
+    "alike_where_laid",
     "concordance_in",
     "judged_reliefs",
     "seen_area",
@@ -74,6 +77,22 @@ def alike_in(
     """
     both = zip(questions, placements, fields, fields[::-1], strict=True)
     return float(np.mean([_alike(*each) for each in both]))
+
+
+def alike_where_laid(question: Question, deformation: Deformation) -> float | None:
+    """How alike the relief of a part is to that of the full shape where all of it is laid.
+
+    Spearman's rank correlation by area, in [-1, 1], as :func:`alike_in`, but of one direction. None
+    if hardly a vertex is away from the cuts of both.
+    """
+    full, part = question.full, question.part
+    normals = vertex_normals(deformation.positions, part.mesh.faces)
+    points = full.finder.closest(deformation.positions, normals)
+    everywhere = np.ones(part.mesh.vertex_count, dtype=bool)
+    seen = _seen(question, points, everywhere, relief(part.mesh), relief(full.mesh))
+    if len(seen.vertices) < LEAST_NODES:
+        return None
+    return _correlation(rankdata(seen.here), rankdata(seen.there), seen.trust)
 
 
 def judged_reliefs(questions: Both[Question]) -> list[Both[Floats]]:
@@ -165,8 +184,14 @@ class Seen:
 
 def seen_where_laid(question: Question, place: SharedPlacement, own: Floats, other: Floats) -> Seen:
     """What is known of the part (n,) and of the full shape (m,), at each vertex that is shared."""
-    points = place.trip.points
-    trust = seen_area(question, place.shared, points, FINE)
+    return _seen(question, place.trip.points, place.shared, own, other)
+
+
+def _seen(
+    question: Question, points: SurfacePoints, shared: Bools, own: Floats, other: Floats
+) -> Seen:
+    """The same of what is `shared` (n,) of the part, whose vertices lie at points (n,)."""
+    trust = seen_area(question, shared, points, FINE)
     rows = np.flatnonzero(trust > 0)
     there = points[rows].interpolate(question.full.mesh, other)
     return Seen(rows, own[rows], there, trust[rows])
