@@ -63,18 +63,26 @@ def test_what_is_chosen_for_a_gap_but_does_not_belong_there_is_refused(monkeypat
         trial(1, candidate(0.7, 1.0, 0.5)),
     )
     assert chances(sure, left, right) == {0: pytest.approx(0.9)}
-    monkeypatch.setattr(trials, "LEAST_CHANCE", 0.04)
+    monkeypatch.setattr(trials, "FOREIGN", 0.04)
     assert set(chances(sure, left, right)) == {0, 1}
 
 
-def test_what_its_skin_contradicts_is_refused_and_what_it_confirms_is_surer() -> None:
-    there = trial(0, candidate(0.0, 0.4, 0.5))
-    assert chances(replace(there, by_skin=-2.0)) == {}
-    assert chances(replace(there, by_skin=1.0)) == {0: pytest.approx(1 / (1 + np.exp(-1.0)))}
-    # where it lies against its skin it has no other place in the way
-    left, right = trial(0, candidate(0.0, 0.4, 0.7)), trial(0, candidate(0.6, 1.0, 0.6))
-    chosen, _ = chosen_together([replace(left, by_skin=-2.0), right], 1, MESH.vertex_areas)
-    assert chosen[0].candidate is not left.candidate
+def test_where_its_skin_speaks_against_it_a_piece_must_be_likelier() -> None:
+    unlikely = trial(0, candidate(0.0, 0.4, 0.5))
+    lowered = 1 / (1 + np.exp(1.0))
+    assert chances(replace(unlikely, by_skin=-1.0)) == {0: pytest.approx(lowered)}
+    assert chances(replace(unlikely, by_skin=-2.0)) == {}
+    # the place that its skin speaks against may not be chosen for being the larger one
+    left, right = trial(0, candidate(0.0, 0.5, 0.7)), trial(0, candidate(0.6, 1.0, 0.6))
+    chosen, _ = chosen_together([replace(left, by_skin=-3.0), right], 1, MESH.vertex_areas)
+    assert chosen[0].candidate.region is right.candidate.region
+
+
+@pytest.mark.parametrize(("alike", "said"), [(None, 0.0), (0.9, 0.0), (0.18, -1.5)])
+def test_skin_speaks_against_a_place_or_says_nothing(monkeypatch, alike, said) -> None:
+    monkeypatch.setattr(trials, "alike_where_laid", lambda question, deformation: alike)
+    placement = SimpleNamespace(question=None, deformation=None)
+    assert trials.skin_log_odds(placement) == pytest.approx(said)
 
 
 def test_a_rival_elsewhere_is_no_trial_of_its_own(monkeypatch) -> None:

@@ -22,7 +22,7 @@ from sherd.puzzle.company import choice_in_company
 from sherd.puzzle.joint_choice import LEAST_CHANCE, Candidate, shared_areas
 from sherd.puzzle.partition import Partition
 from sherd.puzzle.rigid.motion import RigidMotion
-from sherd.results.advice import SURE
+from sherd.results.advice import FOREIGN, SURE
 from sherd.results.match_options import MatchOptions
 from sherd.scan.either_side import SURE_BULGE, better_side
 from sherd.scan.intake import Intake
@@ -65,12 +65,12 @@ LOST = 1.3
 # puzzle held out in turn the area under the ROC is 0.85; of the chance alone, on all, it is 0.88,
 # of this 0.91.
 COEFFICIENTS = (-4.8, 0.29, 8.1)
-# Of one, and of how alike the relief of the skin is where a piece lies: what is added to the log
-# odds of its chance among the others. A logistic regression with these as an offset, over 1,190
-# trials of 252 puzzles of 21 animals and people in three and five pieces, 890 of the trials right
-# (error below 0.05). With each shape left out in turn the mean logarithmic loss falls from 0.13 to
-# 0.10. The area of a piece tells nothing more; nor do relief patches, see docs/experiments.md.
-BY_SKIN = (-2.9, 7.5)
+# How alike the relief of the skin is, at least, where a piece lies right, and by how much less
+# likely the less alike makes it, in log odds. Of a logistic regression of both sides of that bound,
+# with the log odds of chances among the others as an offset, over 1,190 trials of 252 puzzles of 21
+# animals and people in three and five pieces, 890 of the trials right (error below 0.05). What is
+# more alike is no surer: a leg on another leg of its body is alike, too (docs/experiments.md).
+ALIKE, LESS_ALIKE = 0.38, 7.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,7 +90,7 @@ class Trial:
     motion
         What brings a rigid piece there; None if it is not rigid.
     by_skin
-        What its skin says of the place, in log odds; nothing was laid by it.
+        What its skin says against the place, in log odds, at most 0; nothing was laid by it.
     """
 
     piece: int
@@ -108,6 +108,11 @@ class Trial:
     def also_by_skin(self, chance: float) -> float:
         """The chance that it is right, by what else is known, if its skin is asked as well."""
         return measured_chance(float(logit(chance)) + self.by_skin)
+
+    @property
+    def is_unlikely(self) -> bool:
+        """Whether it is so unlikely, among the others, that it is not given a place."""
+        return self.chance < (LEAST_CHANCE if self.by_skin < 0 else FOREIGN)
 
     def with_chance(self, chance: float) -> Trial:
         """The same place, held to be as likely."""
@@ -180,17 +185,18 @@ def chosen_together(
     -----
     A gap that a piece fills speaks for it in the choice, but not for the chance that is given: see
     :mod:`sherd.puzzle.company`. So a copy of a piece that lies somewhere else, or a piece of
-    something else that was bent into a gap, may be chosen for one of about its size. But bumps and
-    hollows of the skin are not where they should be then, see :func:`skin_log_odds`. What has less
-    of a chance than a piece must reach for a place is taken out of the trials, and the rest is
-    chosen anew.
+    something else that was bent into a gap, may be chosen for one of about its size. What has so
+    small a chance then that a match would be said not to belong, or against which its skin speaks
+    and which has less than a piece must reach for a place, is taken out of the trials, and the rest
+    is chosen anew.
     """
     own = [[trial for trial in trials if trial.piece == k] for k in range(count)]
     while True:
         found, energy = _chosen_together(own, areas, may_overlap=may_overlap)
-        least = min(found.values(), key=lambda trial: trial.chance, default=None)
-        if least is None or least.chance >= LEAST_CHANCE:
+        unlikely = [trial for trial in found.values() if trial.is_unlikely]
+        if not unlikely:
             return found, energy
+        least = min(unlikely, key=lambda trial: trial.chance)
         taken = least.candidate.region
         own[least.piece] = [each for each in own[least.piece] if each.candidate.region is not taken]
 
@@ -324,13 +330,13 @@ def trial_chance(chance: float, score: float) -> float:
 
 
 def skin_log_odds(placement: WorkingPlacement) -> float:
-    """What the skin says of a placement, to be added to the log odds of its chance.
+    """What the skin says against a placement, to be added to the log odds of its chance; at most 0.
 
     A piece may be bent into any gap, and then neighbors and sizes speak for it; but bumps and
     hollows do not come to lie on bumps and hollows by that, as nothing is laid by them.
     """
     alike = alike_where_laid(placement.question, placement.deformation)
-    return 0.0 if alike is None else float(np.array([1.0, alike]) @ np.array(BY_SKIN))
+    return 0.0 if alike is None else min(LESS_ALIKE * (alike - ALIKE), 0.0)
 
 
 def trials_of(piece: int, placed: PlacedPart, partition: Partition) -> list[Trial]:
