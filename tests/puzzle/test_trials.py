@@ -67,29 +67,41 @@ def test_what_is_chosen_for_a_gap_but_does_not_belong_there_is_refused(monkeypat
     assert set(chances(sure, left, right)) == {0, 1}
 
 
-def test_where_its_skin_speaks_against_it_a_piece_must_be_likelier() -> None:
+def test_where_something_speaks_against_it_a_piece_must_be_likelier() -> None:
     unlikely = trial(0, candidate(0.0, 0.4, 0.5))
     lowered = 1 / (1 + np.exp(1.0))
-    assert chances(replace(unlikely, by_skin=-1.0)) == {0: pytest.approx(lowered)}
-    assert chances(replace(unlikely, by_skin=-2.0)) == {}
-    # the place that its skin speaks against may not be chosen for being the larger one
+    assert chances(replace(unlikely, against=-1.0)) == {0: pytest.approx(lowered)}
+    assert chances(replace(unlikely, against=-2.0)) == {}
+    # the place that something speaks against may not be chosen for being the larger one
     left, right = trial(0, candidate(0.0, 0.5, 0.7)), trial(0, candidate(0.6, 1.0, 0.6))
-    chosen, _ = chosen_together([replace(left, by_skin=-3.0), right], 1, MESH.vertex_areas)
+    chosen, _ = chosen_together([replace(left, against=-3.0), right], 1, MESH.vertex_areas)
     assert chosen[0].candidate.region is right.candidate.region
 
 
-@pytest.mark.parametrize(("alike", "said"), [(None, 0.0), (0.9, 0.0), (0.18, -1.5)])
-def test_skin_speaks_against_a_place_or_says_nothing(monkeypatch, alike, said) -> None:
+def test_what_hardly_speaks_against_a_piece_does_not_raise_the_bar() -> None:
+    there = trial(0, candidate(0.0, 0.4, 0.15))
+    assert not replace(there, against=-0.9).is_unlikely
+    assert replace(there, against=-1.1).is_unlikely
+
+
+@pytest.mark.parametrize(
+    ("alike", "double", "said"),
+    [(None, 0.0, 0.0), (0.9, 0.1, 0.0), (0.18, 0.0, -1.5), (0.9, 0.3, -2.6), (0.18, 0.3, -4.1)],
+)
+def test_skin_and_folds_speak_against_a_place_or_say_nothing(
+    monkeypatch, alike, double, said
+) -> None:
     monkeypatch.setattr(trials, "alike_where_laid", lambda question, deformation: alike)
-    placement = SimpleNamespace(question=None, deformation=None)
-    assert trials.skin_log_odds(placement) == pytest.approx(said)
+    monkeypatch.setattr(trials, "share_laid_double", lambda part, deformation: double)
+    placement = SimpleNamespace(question=SimpleNamespace(part=None), deformation=None)
+    assert trials.log_odds_against(placement) == pytest.approx(said)
 
 
 def test_a_rival_elsewhere_is_no_trial_of_its_own(monkeypatch) -> None:
     def placement(score: float, *rows: int) -> SimpleNamespace:
         return SimpleNamespace(score=score, mask=np.isin(np.arange(4), rows))
 
-    monkeypatch.setattr(trials, "skin_log_odds", lambda placement: 0.0)
+    monkeypatch.setattr(trials, "log_odds_against", lambda placement: 0.0)
     monkeypatch.setattr(trials, "trial_at", lambda piece, placed, *_, **__: placed.best)
     best = placement(0.8, 0, 1)
     placed = SimpleNamespace(

@@ -134,7 +134,7 @@ def _answer(
     alone = next(trial for trial in decision.trials if trial.piece == piece)
     result = _result(alone, alone.placed.chance, options, stages)
     instead = None if result.status is Status.FOREIGN else _rival(alone, decision.chosen)
-    chance = alone.also_by_skin(alone.chance)
+    chance = alone.lowered(alone.chance)
     return PieceAnswer(
         result.part,
         placed=False,
