@@ -28,6 +28,7 @@ __all__ = [
     "registered_to_positions",
     "registered_to_surface",
     "surface_points",
+    "working_points",
 ]
 
 # Data terms are areas over squared lengths: below such a length the elasticity decides, above
@@ -158,6 +159,12 @@ def surface_points(
     """The point of the surface that `finder` knows under each vertex of the part itself."""
     at_own = question.part.working.at_own_vertices
     return finder.closest(at_own(deformation.positions), at_own(_facing(question, deformation)))
+
+
+def working_points(question: Question, deformation: Deformation) -> SurfacePoints:
+    """The point of the full shape's working mesh under each vertex of that of the part."""
+    normals = vertex_normals(deformation.positions, question.part.mesh.faces)
+    return question.full.finder.closest(deformation.positions, normals)
 
 
 def elastic_strain(part: DescribedSurface, deformation: Deformation) -> Floats:

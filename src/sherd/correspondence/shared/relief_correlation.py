@@ -17,10 +17,9 @@ from sherd.correspondence.labels.consistent import node_areas
 from sherd.correspondence.labels.labeling import Labeling, Problem
 from sherd.correspondence.labels.two_way import Both
 from sherd.correspondence.question import Question
-from sherd.correspondence.registration import Deformation
+from sherd.correspondence.registration import Deformation, working_points
 from sherd.correspondence.shared.two_way_placement import SharedPlacement
 from sherd.descriptors.relief import FINE, JUDGED, form, relief
-from sherd.mesh.geometry import vertex_normals
 from sherd.mesh.surface_points import SurfacePoints
 
 __all__ = [
@@ -86,13 +85,12 @@ def alike_where_laid(question: Question, deformation: Deformation) -> float | No
     if hardly a vertex is away from the cuts of both.
     """
     full, part = question.full, question.part
-    normals = vertex_normals(deformation.positions, part.mesh.faces)
-    points = full.finder.closest(deformation.positions, normals)
+    points = working_points(question, deformation)
     everywhere = np.ones(part.mesh.vertex_count, dtype=bool)
     seen = _seen(question, points, everywhere, relief(part.mesh), relief(full.mesh))
     if len(seen.vertices) < LEAST_NODES:
         return None
-    return _correlation(rankdata(seen.here), rankdata(seen.there), seen.trust)
+    return _rank_correlation(seen)
 
 
 def judged_reliefs(questions: Both[Question]) -> list[Both[Floats]]:
@@ -201,7 +199,7 @@ def _alike(question: Question, place: SharedPlacement, own: Floats, other: Float
     seen = seen_where_laid(question, place, own, other)
     if len(seen.vertices) < 2:
         return 0.0
-    return _correlation(rankdata(seen.here), rankdata(seen.there), seen.trust)
+    return _rank_correlation(seen)
 
 
 def _concordance(question: Question, place: SharedPlacement, own: Floats, other: Floats) -> float:
@@ -215,6 +213,11 @@ def _concordance(question: Question, place: SharedPlacement, own: Floats, other:
     expected = np.average((here - means[0]) ** 2 + (there - means[1]) ** 2, weights=seen.trust)
     expected += (means[0] - means[1]) ** 2
     return float(1.0 - apart / expected) if expected > 0 else 0.0
+
+
+def _rank_correlation(seen: Seen) -> float:
+    """Spearman's, by the area that counts."""
+    return _correlation(rankdata(seen.here), rankdata(seen.there), seen.trust)
 
 
 def _correlation(first: Floats, second: Floats, weights: Floats) -> float:

@@ -8,8 +8,7 @@ import numpy as np
 
 from sherd.arrays import Bools, Floats
 from sherd.correspondence.question import Question
-from sherd.correspondence.registration import Deformation
-from sherd.mesh.geometry import vertex_normals
+from sherd.correspondence.registration import Deformation, working_points
 from sherd.mesh.surface_finder import SurfaceFinder
 from sherd.mesh.surface_points import SurfacePoints
 from sherd.mesh.triangle_mesh import TriangleMesh
@@ -54,8 +53,7 @@ class RoundTrip:
 def round_trip(question: Question, own: Deformation, other: Deformation) -> RoundTrip:
     """From the part onto the full shape by `own` and back by `other`, which lays the full shape."""
     full, part = question.full, question.part
-    normals = vertex_normals(own.positions, part.mesh.faces)
-    points = full.finder.closest(own.positions, normals)
+    points = working_points(question, own)
     there = points.positions(full.mesh)
     back = points.interpolate(full.mesh, other.positions)
     gap = np.linalg.norm(back - part.mesh.vertices, axis=1)
