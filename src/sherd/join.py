@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from functools import lru_cache, partial
 from itertools import combinations, product
 from types import MappingProxyType
@@ -37,6 +37,7 @@ from sherd.results.puzzle.assemble_options import AssembleKeywords, AssembleOpti
 from sherd.results.puzzle.joined import Joined, PairAnswer
 from sherd.scan.intake import ScanSource, piece_intakes
 from sherd.surface.prepared import described_part
+from sherd.surface.transformed import mirrored_mesh
 
 __all__ = ["STAGES", "join"]
 
@@ -240,7 +241,7 @@ class _Asking:
     @property
     def ways(self) -> Asking:
         """All of them."""
-        return Asking(self.met, self.glance, self.laid, self.across, self.as_a_part)
+        return Asking(self.met, self.glance, self.laid, self.across, self.as_a_part, self.mirrored)
 
     def met(self, first: Union, second: Union, known: Ints, taken: Bools | None) -> Meeting:
         """All that is known."""
@@ -265,6 +266,12 @@ class _Asking:
         """Whether the second belongs, wherever it lies; see :func:`chance_as_a_part`."""
         self.stages.show(f"growth: {_named(second)} as a part of {_named(first)}")
         return chance_as_a_part(self.body(first.mesh), second.mesh)
+
+    def mirrored(self, first: Union, second: Union) -> Meeting:
+        """Of two pieces, the second mirrored, what is plain to see."""
+        self.stages.show(f"growth: {_named(first)} and the mirror image of {_named(second)}")
+        image = replace(second, mesh=mirrored_mesh(second.mesh))
+        return self.question(first, image, NOTHING_KNOWN, None).at_a_glance()
 
 
 def _named(union: Union) -> str:

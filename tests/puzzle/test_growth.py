@@ -36,6 +36,7 @@ class Answer:
     in_gap: Answer | None = None
     recognized: float = 0.0
     at_large: float | None = None
+    fills: bool = False
 
 
 def no_twins(first: Union, second: Union) -> None:
@@ -47,9 +48,16 @@ def no_part(first: Union, second: Union) -> float:
     return 0.0
 
 
-def ways(meet: Any, across: Any = no_twins, as_a_part: Any = no_part) -> Asking:
+def unlike_mirrored(first: Union, second: Union) -> Answer:
+    """No mirror image lies on anything."""
+    return Answer(0.0)
+
+
+def ways(
+    meet: Any, across: Any = no_twins, as_a_part: Any = no_part, mirrored: Any = unlike_mirrored
+) -> Asking:
     """Members are not asked here."""
-    return Asking(meet, meet, meet, across, as_a_part)
+    return Asking(meet, meet, meet, across, as_a_part, mirrored)
 
 
 def answer(chance: float, *, twin: bool = False, by_skin: float = 0.0, filling: float = 0.0) -> Any:
@@ -83,8 +91,11 @@ def _joined_without_geometry(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def crowd(monkeypatch: pytest.MonkeyPatch, crowding: Callable[[Join, Join], float]) -> None:
-    for room in (growth, record, completion):
+    """Places of one size: who lies in another one's has it."""
+    for room in (growth, record):
         monkeypatch.setattr(room, "crowding", crowding)
+    for room in (record, completion):
+        monkeypatch.setattr(room, "lying_in", crowding)
 
 
 def leave_out(
@@ -372,6 +383,20 @@ def test_at_last_the_skin_alone_makes_an_answer_likely(by_skin, twin, joined) ->
     assert [join.met.chance for join in found.last] == [by_skin] * (joined - 2)
 
 
+@pytest.mark.parametrize(("its", "joined"), [(0.2, 3), (0.8, 2)])
+def test_what_is_likely_may_have_a_joined_piece_in_a_part_of_its_place(
+    its, joined, monkeypatch
+) -> None:
+    """`its` is the share of the place of 2 that 1 has, which lies in it as a whole."""
+    crowd(monkeypatch, lambda one, other: 0.8)
+    for room in (record, completion):
+        monkeypatch.setattr(
+            room, "lying_in", lambda one, other: its if one.second.members == (2,) else 0.8
+        )
+    found = grown(pieces(3), np.ones((3, 3)), ways(likely))
+    assert max(map(len, found.groups)) == joined
+
+
 def test_what_the_completed_group_is_sure_of_is_no_surer_than_what_completed_it() -> None:
     def meet(first: Union, second: Union, known: Ints, taken: Bools | None) -> Any:
         if second.members == (1,):
@@ -612,6 +637,36 @@ def test_whose_skin_is_recognized_belongs_without_a_place(share, unplaced) -> No
     found = grown(pieces(4), np.ones((4, 4)), ways(meet))
     assert found.unplaced == unplaced
     assert [3] in map(list, found.groups)
+
+
+@pytest.mark.parametrize(
+    ("image", "within", "belongs"),
+    [
+        (Answer(0.41), False, True),
+        (Answer(0.39), False, False),
+        (Answer(0.1, by_skin=0.41), False, True),
+        (Answer(0.95), True, False),
+        (Answer(0.1, recognized=0.018 * 4.0), True, True),
+        (Answer(0.1, recognized=0.017 * 4.0), False, False),
+        (Answer(0.1, fills=True), False, True),
+    ],
+)
+def test_so_does_what_lies_there_mirrored(image, within, belongs, monkeypatch) -> None:
+    """As a tail does that bends to the left where the group bends to the right."""
+    asked = []
+
+    def meet(first: Union, second: Union, known: Ints, taken: Bools | None) -> Any:
+        return answer(0.95 if second.members == (1,) else 0.1)
+
+    def mirrored(first: Union, second: Union) -> Answer:
+        asked.append((first.members, second.members))
+        return image if second.members == (2,) else answer(0.1)
+
+    monkeypatch.setattr(belonging, "is_within", lambda join: within)
+    found = grown(pieces(4), np.ones((4, 4)), ways(meet, mirrored=mirrored))
+    assert found.unplaced == [2] * belongs
+    assert [3] in map(list, found.groups)
+    assert asked == [((0, 1), (2,)), ((0, 1), (3,))]
 
 
 def test_what_lies_within_or_is_a_group_of_its_own_does_not(monkeypatch) -> None:

@@ -10,7 +10,7 @@ import pytest
 from sherd.mesh.border_loops import border_loops
 from sherd.mesh.topology import component_labels
 from sherd.mesh.triangle_mesh import TriangleMesh
-from sherd.puzzle.growing.common_places import crowding, laid_alike, left_out, recalled
+from sherd.puzzle.growing.common_places import crowding, laid_alike, left_out, lying_in, recalled
 from sherd.puzzle.growing.joined_maps import direct_maps
 from sherd.puzzle.growing.union import Join, Union, repaired, united
 from sherd.puzzle.pairwise.answer import Meeting
@@ -165,3 +165,7 @@ def test_who_lies_in_the_same_place_crowds_whole_or_in_part(join) -> None:
     other = replace(join, met=replace(join.met, placements=(place[0], upper)))
     assert crowding(smaller, other) == crowding(other, smaller) < 0.5
     assert crowding(join, empty) == crowding(empty, join) == 0.0
+    # but only of the smaller one it is the whole place
+    assert lying_in(smaller, join) == pytest.approx(1.0)
+    assert 0.3 < lying_in(join, smaller) < 0.8
+    assert lying_in(join, empty) == lying_in(empty, join) == 0.0

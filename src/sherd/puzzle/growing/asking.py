@@ -51,6 +51,8 @@ class Asking:
     as_a_part
         The chance that the other, or its mirror image, is matched rightly with the larger one as
         its whole.
+    mirrored
+        What the larger one shares with the mirror image of the other, where that is plain to see.
     """
 
     meet: Meet
@@ -58,6 +60,7 @@ class Asking:
     lay: Callable[[Union, Union, Told], Meeting]
     across: Callable[[Union, Union], Meeting | None]
     as_a_part: Callable[[Union, Union], float]
+    mirrored: Callable[[Union, Union], Meeting]
 
 
 def asked(first: Union, second: Union, meet: Meet, growth: Growth) -> Join:

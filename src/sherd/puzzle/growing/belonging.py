@@ -14,8 +14,13 @@ from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.puzzle.growing.asking import Asking
 from sherd.puzzle.growing.common_places import is_within
 from sherd.puzzle.growing.record import Growth, undisputed
-from sherd.puzzle.growing.union import Union
-from sherd.puzzle.pairwise.answer import LIKELY, RECOGNIZED
+from sherd.puzzle.growing.union import Join, Union
+from sherd.puzzle.pairwise.answer import (
+    HALF_LIKELY,
+    LIKELY,
+    RECOGNIZED,
+    chance_to_belong,
+)
 from sherd.puzzle.pairwise.body import Body
 from sherd.threads import one_blas_thread
 
@@ -40,6 +45,13 @@ def belonging(
         other
         for other in others
         if other not in found and asking.as_a_part(largest, other) >= LIKELY
+    ]
+    found += [
+        other
+        for other in others
+        if other not in found
+        and len(other.members) == 1
+        and _belongs_mirrored(Join(largest, other, asking.mirrored(largest, other)))
     ]
     return _with_akin(largest, found, others, growth)
 
@@ -68,6 +80,22 @@ def _with_akin(
         if not more:
             return found
         found += more
+
+
+def _belongs_mirrored(image: Join) -> bool:
+    """Whether the mirror image of a piece lies on a group as only what belongs does.
+
+    A tail, a head or a trunk is its own mirror image but for how it bends: what bends to the left
+    where the group bends to the right lies there mirrored, and not as it is. What is asked of the
+    image is what is asked of the piece itself; for what is of another kind it is one question more
+    of some twenty.
+    """
+    met = image.met
+    return (
+        met.fills
+        or (chance_to_belong(met) >= HALF_LIKELY and not is_within(image))
+        or met.recognized >= RECOGNIZED * image.first.mesh.area
+    )
 
 
 def _is_half_likely(other: Union, body: Set[int], growth: Growth) -> bool:

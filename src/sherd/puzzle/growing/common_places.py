@@ -15,6 +15,7 @@ __all__ = [
     "is_within",
     "laid_alike",
     "left_out",
+    "lying_in",
     "nearest_places",
     "recalled",
     "taken_by",
@@ -30,6 +31,22 @@ def crowding(one: Join, other: Join) -> float:
     Both were laid on unions that have the third piece. Shares are of area, as both may have been
     asked in meshes that are not equally fine.
     """
+    common = _area_in_common(one, other)
+    return common / min(_area_taken(one), _area_taken(other)) if common else 0.0
+
+
+def lying_in(one: Join, other: Join) -> float:
+    """Share of the place of a piece on a third one that is another piece's, too.
+
+    What lies in a part of a large place does not have it: where pieces overlap a limb and the half
+    of the body beside it both have its rim.
+    """
+    common = _area_in_common(one, other)
+    return common / _area_taken(one) if common else 0.0
+
+
+def _area_in_common(one: Join, other: Join) -> float:
+    """Of the places that two pieces have on a third one, as the smaller of both says."""
     smaller, larger = sorted((one, other), key=_area_taken)
     owners, places = _taken(smaller)
     others, further = _taken(larger)
@@ -39,7 +56,7 @@ def crowding(one: Join, other: Join) -> float:
     for piece in np.intersect1d(owners, others):
         near, _ = nearest_places(further[others == piece], places[owners == piece], reach)
         common += float(areas[owners == piece][near].sum())
-    return common / _area_taken(smaller) if common else 0.0
+    return common
 
 
 def is_within(join: Join) -> bool:

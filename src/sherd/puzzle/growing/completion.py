@@ -13,7 +13,7 @@ from dataclasses import replace
 
 from sherd.correspondence.confidence import LEAST
 from sherd.puzzle.growing.asking import Asking
-from sherd.puzzle.growing.common_places import crowding, is_within, left_out, recalled
+from sherd.puzzle.growing.common_places import is_within, left_out, lying_in, recalled
 from sherd.puzzle.growing.members import laid_as_before
 from sherd.puzzle.growing.record import (
     CROWD,
@@ -198,7 +198,7 @@ def _contradicted(join: Join, before: Join, groups: Sequence[Union], growth: Gro
     ):
         return True
     return any(
-        crowding(join, each) > CROWD
+        lying_in(join, each) > CROWD
         for other in _others(groups, join)
         if not growth.are_together(join.second, other)
         for each in growth.likely_before(join.first, other)

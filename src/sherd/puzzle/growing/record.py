@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from itertools import combinations
 
 from sherd.arrays import Bools
-from sherd.puzzle.growing.common_places import crowding, taken_by
+from sherd.puzzle.growing.common_places import crowding, lying_in, taken_by
 from sherd.puzzle.growing.union import Join, Union
 from sherd.puzzle.pairwise.answer import HALF_LIKELY, Ground, chance_to_belong, ground_of
 
@@ -141,8 +141,8 @@ class Growth:
         return sorted(found, key=chance_of, reverse=True)
 
     def made_there(self, join: Join) -> list[Join]:
-        """What was joined in the place of an answer."""
-        return [made for made in self.joins if crowding(join, made) > CROWD]
+        """What was joined in the place of an answer, or in most of it."""
+        return [made for made in self.joins if lying_in(join, made) > CROWD]
 
     def taken(self, first: Union, second: Union) -> Bools | None:
         """The vertices (n,) of the first union that were settled to be others' places, if any."""
