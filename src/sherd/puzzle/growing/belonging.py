@@ -15,12 +15,7 @@ from sherd.puzzle.growing.asking import Asking
 from sherd.puzzle.growing.common_places import is_within
 from sherd.puzzle.growing.record import Growth, undisputed
 from sherd.puzzle.growing.union import Join, Union
-from sherd.puzzle.pairwise.answer import (
-    HALF_LIKELY,
-    LIKELY,
-    RECOGNIZED,
-    chance_to_belong,
-)
+from sherd.puzzle.pairwise.answer import LIKELY, RECOGNIZED
 from sherd.puzzle.pairwise.body import Body
 from sherd.threads import one_blas_thread
 
@@ -83,19 +78,15 @@ def _with_akin(
 
 
 def _belongs_mirrored(image: Join) -> bool:
-    """Whether the mirror image of a piece lies on a group as only what belongs does.
+    """Whether the mirror image of a piece fills a gap of a group, or is recognized there.
 
     A tail, a head or a trunk is its own mirror image but for how it bends: what bends to the left
-    where the group bends to the right lies there mirrored, and not as it is. What is asked of the
-    image is what is asked of the piece itself; for what is of another kind it is one question more
-    of some twenty.
+    where the group bends to the right lies there mirrored, and not as it is. A fox's tail so fills
+    its gap and has 0.023 of the group recognized (0.006 as it is). Of 70 images of pieces of other
+    species, on the two largest pieces of 35 puzzles, none fills a gap, and 0.0053 of the whole is
+    the most that is recognized; but three are half likely, up to 0.79, so that is not asked.
     """
-    met = image.met
-    return (
-        met.fills
-        or (chance_to_belong(met) >= HALF_LIKELY and not is_within(image))
-        or met.recognized >= RECOGNIZED * image.first.mesh.area
-    )
+    return image.met.fills or image.met.recognized >= RECOGNIZED * image.first.mesh.area
 
 
 def _is_half_likely(other: Union, body: Set[int], growth: Growth) -> bool:
