@@ -105,7 +105,8 @@ def join(
     across from its twin; see :attr:`Joined.likely` and :attr:`Joined.by_twin`. Who is left then is
     asked with the largest group bent as each of its members is. And what fills a gap of it
     somewhere, looks like a part of it or of its twin, is half likely to lie on it, or has skin that
-    is recognized there, belongs to it, though no map has it; see :attr:`Joined.unplaced`.
+    is recognized there, as it is or mirrored, belongs to it, though no map has it; see
+    :attr:`Joined.unplaced`.
 
     Examples
     --------

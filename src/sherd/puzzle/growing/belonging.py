@@ -28,8 +28,9 @@ def belonging(
     """Those of the others that belong to the largest group.
 
     They fill a gap of it, or are more likely than not a part of it or of its twin; or a place on
-    it, or on who belongs to it so, is half likely, or their skin is recognized there. Of a single
-    piece all that is missing is a gap, and it is no whole, so it tells nothing.
+    it, or on who belongs to it so, is half likely, or their skin is recognized there; or their
+    mirror image fills a gap or is recognized. Of a single piece all that is missing is a gap, and
+    it is no whole, so it tells nothing.
     """
     if len(largest.members) == 1:
         return []
