@@ -118,8 +118,9 @@ def test_of_several_it_is_the_one_that_is_as_far_from_the_rest_as_its_twin(monke
     assert beside_their_twins([wrong], lambda: met(TWIN, 0.01, 0.94)).chance == 0.01
 
 
-def test_what_fits_is_not_believed_at_another_limbs_place(monkeypatch) -> None:
-    monkeypatch.setattr(module, "_off_by_distances", lambda *_: 0.065)
+@pytest.mark.parametrize("off", [0.03, 0.065])
+def test_what_fits_is_not_believed_at_another_limbs_place(off, monkeypatch) -> None:
+    monkeypatch.setattr(module, "_off_by_distances", lambda *_: off)
     assert beside_their_twins([met(HOLE, 0.01, 0.9)], lambda: met(TWIN, 0.9, 0.9)).chance == 0.01
 
 
