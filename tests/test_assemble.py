@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -211,3 +213,13 @@ def test_errors_of_arrays_say_which_piece_is_meant(template, pieces) -> None:
     mesh = pieces[0].mesh
     with pytest.raises(InvalidMeshError, match="piece 1: vertices"):
         sherd.assemble(template, [mesh, (np.full_like(mesh.vertices, np.nan), mesh.faces)])
+
+
+def test_a_choice_that_was_broken_off_is_doubtful_and_says_why(answer, tmp_path) -> None:
+    assert answer.proven
+    assert answer.status is Status.GOOD
+    broken = replace(answer, proven=False)
+    assert broken.status is Status.DOUBTFUL
+    sherd.write_report(broken, tmp_path / "broken")
+    page = (tmp_path / "broken" / "report.html").read_text(encoding="utf-8")
+    assert "may be a better choice of places for all pieces together" in page

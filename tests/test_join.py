@@ -113,7 +113,7 @@ def test_what_is_only_likely_is_said_to_be_so(answer: Joined, tmp_path: Path) ->
     assert "Only its twin tells" in (tmp_path / "twin" / "report.html").read_text()
     with pytest.raises(InvalidMeshError, match="chance"):
         replace(answer, by_twin=(1,))
-    nothing_sure = replace(answer, likely={1: 0.6})
+    nothing_sure = replace(answer, likely={1: 0.6}, sure=False)
     assert sherd.write_report(nothing_sure, tmp_path / "doubtful")["status"] == "doubtful"
 
 

@@ -119,6 +119,19 @@ def test_nothing_shared_is_an_answer(fragments) -> None:
     assert answer.first_to_second.confidence.max() <= 1
 
 
+def test_what_is_inside_out_is_turned_over_and_numbered_as_it_was(fragments, answer) -> None:
+    front, rear = (each.mesh for each in fragments)
+    inward = TriangleMesh(front.vertices, front.faces[:, ::-1], name="inward")
+    turned = sherd.overlap(inward, rear)
+    assert "turned over" in " ".join(turned.notices["first"])
+    assert not turned.notices["second"]
+    np.testing.assert_array_equal(turned.second_to_first.matched, answer.second_to_first.matched)
+    rows = np.flatnonzero(answer.second_to_first.matched)
+    there = turned.second_to_first.points[rows].positions(turned.first)
+    before = answer.second_to_first.points[rows].positions(front)
+    np.testing.assert_allclose(there, before, atol=1e-9 * front.length)
+
+
 def test_what_stands_apart_is_not_shared_and_all_else_is() -> None:
     full, ball = creature(5000), trimesh.creation.icosphere(3, 0.15)
     scene = TriangleMesh(

@@ -112,13 +112,13 @@ def assemble(
             template, trials, len(intakes), stages, may_overlap=options.may_overlap
         )
     with stages("joint choice"):
-        chosen, energy = chosen_together(
+        together = chosen_together(
             trials, len(intakes), template.placed.vertex_areas, may_overlap=options.may_overlap
         )
     with stages("borders"):
-        placed = {piece: trial.placed for piece, trial in chosen.items()}
+        placed = {piece: trial.placed for piece, trial in together.trials.items()}
         cut = not (options.may_overlap or options.rigid) and cut_apart(placed.values())
         if cut:
             placed = bordering(placed)
-    decision = Decision(trials, chosen, placed, impossible, energy, cut)
+    decision = Decision(trials, together, placed, impossible, cut)
     return assembly_of(AssemblyQuestion(template, intakes, partition, options), decision, stages)

@@ -35,9 +35,11 @@ from sherd.results.keywords import options_of
 from sherd.results.overlap_result import SharedMap
 from sherd.results.puzzle.assemble_options import AssembleKeywords, AssembleOptions
 from sherd.results.puzzle.joined import Joined, PairAnswer
+from sherd.scan.either_side import looking_outward
 from sherd.scan.intake import ScanSource, piece_intakes
 from sherd.surface.prepared import described_part
 from sherd.surface.transformed import mirrored_mesh
+from sherd.threads import one_blas_thread
 
 __all__ = ["STAGES", "join"]
 
@@ -56,6 +58,7 @@ MOST_OF_LARGEST = 3.0
 Ask = Callable[[Union, Union, Ints, Bools | None], QuestionInTwoUnits]
 
 
+@one_blas_thread()  # or sums over 10,000 vertices would depend on how many there are
 def join(
     pieces: Sequence[ScanSource],
     options: AssembleOptions | None = None,
@@ -118,7 +121,7 @@ def join(
     """
     options = options_of(AssembleOptions, options, keywords)
     stages = stages or Stages(visible=False)
-    intakes = piece_intakes(pieces)
+    intakes = [looking_outward(intake) for intake in piece_intakes(pieces)]
     if len(intakes) < 2:
         raise InputError(
             f"{len(intakes)} piece{'' if len(intakes) == 1 else 's'} given, but without a whole "
@@ -178,9 +181,8 @@ def join(
         timings=MappingProxyType(dict(stages.seconds)),
         options=options,
         notices=tuple(intake.notices for intake in intakes),
-        likely=MappingProxyType(
-            {member: join.met.chance for join in growth.last for member in join.second.members}
-        ),
+        likely=MappingProxyType(growth.last_chances()),
+        sure=len(growth.joins) > len(growth.last),
         by_twin=tuple(sorted(member for join in growth.across for member in join.second.members)),
         unplaced=tuple(sorted(growth.unplaced)),
     )
@@ -297,7 +299,12 @@ def _told(growth: Growth) -> list[Join]:
 
 
 def _shared(found: PieceMap) -> SharedMap:
-    return SharedMap(found.points, found.known, found.known.astype(np.float64), found.trust)
+    return SharedMap(
+        found.points,
+        found.known,
+        found.known.astype(np.float64),
+        np.where(found.known, found.trust, 0.0),
+    )
 
 
 def _groups(growth: Growth) -> tuple[tuple[int, ...], ...]:

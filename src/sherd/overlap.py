@@ -45,6 +45,7 @@ from sherd.results.keywords import options_of
 from sherd.results.overlap_options import OverlapKeywords, OverlapOptions
 from sherd.results.overlap_result import Overlap, SharedMap
 from sherd.results.status import Status
+from sherd.scan.either_side import looking_outward
 from sherd.scan.intake import ScanSource, scan_intake
 from sherd.surface.described import DescribedSurface
 from sherd.surface.prepared import described_part
@@ -130,7 +131,7 @@ def overlap(
     """
     options = options_of(OverlapOptions, options, keywords)
     stages = stages or Stages(visible=False)
-    intakes = (scan_intake(first), scan_intake(second))
+    intakes = (looking_outward(scan_intake(first)), looking_outward(scan_intake(second)))
     check_overlap_hints(*intakes, options)
     shapes = (
         kept_shape(intakes[0], options.ignore_first, name="first"),

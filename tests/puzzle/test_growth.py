@@ -163,6 +163,39 @@ def test_groups_that_both_grew_are_joined_at_last() -> None:
     assert sorted(map(sorted, found.groups)) == [[0, 1, 2, 3]]
 
 
+def test_what_joined_a_group_before_does_not_dispute_what_the_group_says(monkeypatch) -> None:
+    """2 and 3 are joined after 0 and 1; they lie where 1 does on 0, as all overlap there."""
+    crowd(monkeypatch, lambda one, other: 0.9)
+    asked = []
+
+    def meet(first: Union, second: Union, known: Ints, taken: Bools | None) -> Any:
+        asked.append((first.members, second.members))
+        sure = {*first.members, *second.members} in ({0, 1}, {2, 3}, {0, 1, 2, 3})
+        return answer(0.9 if sure else 0.0)
+
+    found = grown(pieces(4), np.ones((4, 4)), ways(meet))
+    assert sorted(map(sorted, found.groups)) == [[0, 1, 2, 3]]
+    assert not found.last
+    assert not any(set(first) & set(second) for first, second in asked)
+
+
+def test_who_lost_a_place_has_lost_it_for_those_who_join_it(monkeypatch) -> None:
+    crowd(monkeypatch, lambda one, other: 0.9)
+    one, other, third = pieces(3)
+    place = Join(one, other, Answer(0.9))
+    grew = Union(third.mesh, third.owner, third.places, (2, 7))
+    assert record.laid_there(Join(one, grew, Answer(0.9)), place, (2,))
+    assert not record.laid_there(Join(one, grew, Answer(0.9)), place, (5,))
+
+
+def test_a_place_that_follows_from_two_likely_ones_is_as_likely_as_the_less_likely_one() -> None:
+    one, other, third = pieces(3)
+    grew = Union(other.mesh, other.owner, other.places, (1, 2))
+    known = record.Growth([one, other, third], one)
+    known.last = [Join(other, third, Answer(0.55)), Join(one, grew, Answer(0.76))]
+    assert known.last_chances() == {1: 0.76, 2: 0.55}
+
+
 def test_what_was_sure_before_is_recalled_where_a_twin_draws_it_away() -> None:
     def meet(first: Union, second: Union, known: Ints, taken: Bools | None) -> Any:
         if second.members == (1,):

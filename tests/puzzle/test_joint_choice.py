@@ -5,11 +5,18 @@ from __future__ import annotations
 from itertools import product
 
 import numpy as np
+import pytest
 
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.puzzle import joint_choice as module
 from sherd.puzzle.border import Border, border_of, facing_lengths
-from sherd.puzzle.joint_choice import Candidate, joint_choice, shared_areas
+from sherd.puzzle.joint_choice import (
+    Candidate,
+    Ties,
+    choice_among,
+    joint_choice,
+    shared_areas,
+)
 
 SIDE = 12
 
@@ -117,6 +124,33 @@ def test_an_unlikely_piece_that_fills_a_hole_has_a_place_and_one_in_the_open_has
 def test_nothing_to_choose_from() -> None:
     assert joint_choice([], MESH.vertex_areas).energy == 0.0
     assert joint_choice([[], []], MESH.vertex_areas).candidates.tolist() == [-1, -1]
+
+
+def ring(count: int) -> Ties:
+    """Pieces around a ring, each likeliest at its own place, and likely at two others."""
+    rng = np.random.default_rng(4)
+    owner, number = np.repeat(np.arange(count), 3), np.tile(np.arange(3), count)
+    wrong = [rng.choice(np.delete(np.arange(count), k), 2, replace=False) for k in range(count)]
+    place = np.array([[k, *some] for k, some in enumerate(wrong)]).ravel()
+    away = np.abs(place[:, None] - place)
+    return Ties(
+        count=count,
+        owner=owner,
+        number=number,
+        chances=np.where(number == 0, 0.75, 0.6) + rng.uniform(-0.03, 0.03, 3 * count),
+        regions=np.full(3 * count, 1 / count),
+        lengths=np.full(3 * count, 0.6),
+        facing=np.where(np.minimum(away, count - away) == 1, 0.3, 0.0),
+        cores=np.where(away == 0, 0.7 / count, 0.0),
+    )
+
+
+@pytest.mark.parametrize("count", [8, 16, 20])
+def test_many_alike_pieces_go_where_each_is_likeliest(count: int) -> None:
+    ties = ring(count)
+    found = choice_among(ties, ties.chances)
+    assert found.proven
+    assert not found.candidates.any()
 
 
 def test_a_search_that_is_broken_off_says_so(monkeypatch) -> None:

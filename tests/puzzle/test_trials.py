@@ -29,7 +29,7 @@ def trial(piece: int, lies: Candidate) -> Trial:
 
 def chances(*some: Trial) -> dict[int, float]:
     count = 1 + max(each.piece for each in some)
-    chosen, _ = chosen_together(some, count, MESH.vertex_areas)
+    chosen = chosen_together(some, count, MESH.vertex_areas).trials
     return {piece: each.chance for piece, each in chosen.items()}
 
 
@@ -74,8 +74,8 @@ def test_where_something_speaks_against_it_a_piece_must_be_likelier() -> None:
     assert chances(replace(unlikely, against=-2.0)) == {}
     # the place that something speaks against may not be chosen for being the larger one
     left, right = trial(0, candidate(0.0, 0.5, 0.7)), trial(0, candidate(0.6, 1.0, 0.6))
-    chosen, _ = chosen_together([replace(left, against=-3.0), right], 1, MESH.vertex_areas)
-    assert chosen[0].candidate.region is right.candidate.region
+    chosen = chosen_together([replace(left, against=-3.0), right], 1, MESH.vertex_areas)
+    assert chosen.trials[0].candidate.region is right.candidate.region
 
 
 def test_what_hardly_speaks_against_a_piece_does_not_raise_the_bar() -> None:

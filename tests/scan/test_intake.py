@@ -75,7 +75,7 @@ def test_points_are_taken_for_a_scan_and_not_for_a_mesh(mesh: TriangleMesh, tmp_
     assert not taken.side_known
     assert taken.notices[0] == (
         "holds 642 points and no faces; triangles were laid over the points, outward as far as "
-        "shape and match tell"
+        "their shape tells"
     )
     with_normals = scan_intake(PointCloud(mesh.vertices, mesh.vertex_normals))
     assert with_normals.side_known

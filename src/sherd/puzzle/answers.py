@@ -18,7 +18,7 @@ from sherd.puzzle.joint_choice import shared_areas
 from sherd.puzzle.partition import GAP, Partition
 from sherd.puzzle.rigid.rigid_answer import rigid_answer
 from sherd.puzzle.rigid.rigid_trials import RigidPart
-from sherd.puzzle.trials import CLASH, Trial, clashes
+from sherd.puzzle.trials import CLASH, Together, Trial, clashes
 from sherd.region.coverage import smoothed
 from sherd.results.advice import SURE
 from sherd.results.match_result import MatchResult
@@ -63,21 +63,20 @@ class Decision:
     ----------
     trials
         All that were made, the first of each piece being the one of it alone.
-    chosen, placed
-        By piece the trial that was chosen, and its placement with borders drawn together.
+    together
+        Which of them were chosen.
+    placed
+        By piece the placement that was chosen, with borders drawn together.
     impossible
         By piece why it cannot lie on the full shape at all.
-    energy
-        Of the joint choice.
     cut_apart
         Whether the pieces meet where they were cut, so that a crack between two is none.
     """
 
     trials: Sequence[Trial]
-    chosen: Mapping[int, Trial]
+    together: Together
     placed: Mapping[int, PlacedPart]
     impossible: Mapping[int, str]
-    energy: float
     cut_apart: bool
 
 
@@ -107,10 +106,11 @@ def assembly_of(question: AssemblyQuestion, decision: Decision, stages: Stages) 
             gaps=_gaps(question, labels),
             contacts=_contacts(question, labels, placed),
             shared=_shared(template, placed),
-            energy=decision.energy,
+            energy=decision.together.energy,
             timings=MappingProxyType(dict(stages.seconds)),
             options=question.options,
             notices=template.intake.notices,
+            proven=decision.together.proven,
         )
 
 
@@ -121,7 +121,9 @@ def _answer(
         reason = decision.impossible[piece]
         return PieceAnswer(intake.original, placed=False, reason=reason, chance=0.0)
     if piece in decision.placed:
-        trial = replace(decision.chosen[piece], placed=_beside_others(piece, decision.placed))
+        trial = replace(
+            decision.together.trials[piece], placed=_beside_others(piece, decision.placed)
+        )
         result = _result(trial, trial.chance, options, stages)
         return PieceAnswer(
             result.part,
@@ -133,7 +135,7 @@ def _answer(
         )
     alone = next(trial for trial in decision.trials if trial.piece == piece)
     result = _result(alone, alone.placed.chance, options, stages)
-    instead = None if result.status is Status.FOREIGN else _rival(alone, decision.chosen)
+    instead = None if result.status is Status.FOREIGN else _rival(alone, decision.together.trials)
     chance = alone.lowered(alone.chance)
     return PieceAnswer(
         result.part,

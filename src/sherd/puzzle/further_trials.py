@@ -123,9 +123,9 @@ class _SoFar:
     def chosen(self) -> dict[int, Trial]:
         """By piece what is chosen jointly of all trials."""
         if self._chosen is None:
-            self._chosen, _ = chosen_together(
+            self._chosen = chosen_together(
                 self.known, self._count, self._areas, may_overlap=self._may_overlap
-            )
+            ).trials
         return dict(self._chosen)
 
     def without(self, piece: int) -> tuple[Trial | None, list[Trial]]:

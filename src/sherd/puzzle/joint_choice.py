@@ -54,9 +54,10 @@ LEAST_CHANCE = 0.2
 # pieces, but takes a foreign piece with a chance of 0.24 that lies in the open but for 0.4 of its
 # border; from 0.012 on that one is refused.
 OMEGA = 0.02
-# Nodes of the search; puzzles of a dozen pieces need some hundreds. Beyond it the best choice that
-# was found stands.
-MOST_NODES = 200_000
+# Nodes of the search; puzzles of a dozen pieces need some hundreds, 20 pieces with three likely
+# places each on a ring some ten thousand. Beyond it, after a second, the best choice that was
+# found stands.
+MOST_NODES = 100_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -182,7 +183,8 @@ def choice_among(ties: Ties, chances: Floats, *, may_overlap: bool = False) -> C
 
     Notes
     -----
-    Branch and bound, piece after piece by descending gain, in groups that share places: exact.
+    Branch and bound, piece after piece by descending gain, in groups that share places: exact,
+    unless it is broken off.
     """
     gain, cost = _gain_and_cost(ties, chances, may_overlap=may_overlap)
     chosen = np.full(ties.count, -1, dtype=np.int64)
@@ -233,40 +235,64 @@ def _groups(owner: Ints, cost: Floats, count: int) -> list[Ints]:
 
 
 class _Search:
-    """Depth first through the pieces of one group, with the sum of best gains as the bound."""
+    """Depth first through the pieces of one group.
+
+    What the rest can still gain is at most the sum over its pieces of the best candidate's gain,
+    less what that costs beside those that are taken, and with half of each border that it can share
+    with the rest, as that pays for both.
+    """
 
     def __init__(self, group: Ints, owner: Ints, gain: Floats, cost: Floats) -> None:
         # at best a candidate has all the borders that it can share with the others' best
         reward = np.maximum(-cost, 0.0)
         of_piece = [np.flatnonzero(owner == piece) for piece in group]
-        most = gain + sum(
-            (reward[:, some].max(axis=1) for some in of_piece if len(some)), np.zeros(len(gain))
-        )
+        most = gain + _best_rewards(reward, of_piece)
         options = [some[most[some] > 0] for some in of_piece]
-        options = [some[np.argsort(-most[some], kind="stable")] for some in options if len(some)]
-        self._options = sorted(options, key=lambda some: -most[some[0]])
-        tops = [most[some[0]] for some in self._options]
-        self._rest = np.append(np.cumsum(tops[::-1])[::-1], 0.0)
-        self._gain, self._cost = gain, cost
+        options = sorted(
+            (some for some in options if len(some)), key=lambda some: -most[some].max()
+        )
+        self._rows = np.concatenate([*options, np.empty(0, dtype=np.int64)])
+        self._starts = np.cumsum([0, *map(len, options)])
+        self._cost = cost[np.ix_(self._rows, self._rows)]
+        self._halves = [
+            0.5 * _best_rewards(reward, options[depth:])[self._rows[start:]]
+            for depth, start in enumerate(self._starts[:-1])
+        ]
         self._nodes = 0
         self.best: list[int] = []
         self.best_gain = 0.0
-        self._descend(0, [], 0.0)
+        self._descend(0, [], 0.0, gain[self._rows])
 
     @property
     def broken_off(self) -> bool:
         """Whether the search reached its limit."""
         return self._nodes >= MOST_NODES
 
-    def _descend(self, depth: int, taken: list[int], total: float) -> None:
+    def _descend(self, depth: int, taken: list[int], total: float, left: Floats) -> None:
+        """`left` (r,) is what each candidate of the rest gains beside those that are taken."""
         self._nodes += 1
         if total > self.best_gain:
             self.best, self.best_gain = list(taken), total
-        if depth == len(self._options) or self.broken_off:
+        if depth == len(self._halves) or self.broken_off:
             return
-        if total + self._rest[depth] <= self.best_gain:
+        starts = self._starts[depth:]
+        hoped = left + self._halves[depth]
+        tops = np.maximum.reduceat(hoped, starts[:-1] - starts[0])
+        if total + float(np.maximum(tops, 0.0).sum()) <= self.best_gain:
             return
-        for number in self._options[depth].tolist():
-            step = float(self._gain[number] - self._cost[number, taken].sum())
-            self._descend(depth + 1, [*taken, number], total + step)
-        self._descend(depth + 1, taken, total)
+        count = int(starts[1] - starts[0])
+        for number in np.argsort(-hoped[:count], kind="stable").tolist():
+            row = int(starts[0]) + number
+            further = left[count:] - self._cost[row, starts[1] :]
+            self._descend(
+                depth + 1, [*taken, int(self._rows[row])], total + float(left[number]), further
+            )
+        self._descend(depth + 1, taken, total, left[count:])
+
+
+def _best_rewards(reward: Floats, pieces: Sequence[Ints]) -> Floats:
+    """The most (c,) that each candidate can share of borders with one candidate of each piece."""
+    best: Floats = sum(
+        (reward[:, some].max(axis=1) for some in pieces if len(some)), np.zeros(len(reward))
+    )
+    return best

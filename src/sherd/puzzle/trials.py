@@ -32,6 +32,7 @@ __all__ = [
     "CLASH",
     "MARGIN",
     "SCORE_SCALE",
+    "Together",
     "Trial",
     "chosen_together",
     "clashes",
@@ -125,6 +126,25 @@ class Trial:
         return replace(self, candidate=replace(self.candidate, chance=chance))
 
 
+@dataclass(frozen=True, eq=False)
+class Together:
+    """What was chosen for all pieces together.
+
+    Attributes
+    ----------
+    trials
+        By piece the one that was chosen, with its chance among the others; refused ones have none.
+    energy
+        Of the choice.
+    proven
+        Whether no choice is better by the same chances; False if the search was broken off.
+    """
+
+    trials: dict[int, Trial]
+    energy: float
+    proven: bool
+
+
 def trial_at(
     piece: int,
     placed: PlacedPart,
@@ -177,8 +197,8 @@ def each_tried(
 
 def chosen_together(
     trials: Sequence[Trial], count: int, areas: Floats, *, may_overlap: bool = False
-) -> tuple[dict[int, Trial], float]:
-    """By piece the trial that is chosen jointly, with its chance among the others; and the energy.
+) -> Together:
+    """The trials that are chosen jointly, with their chances among each other.
 
     Parameters
     ----------
@@ -198,10 +218,10 @@ def chosen_together(
     """
     own = [[trial for trial in trials if trial.piece == k] for k in range(count)]
     while True:
-        found, energy = _chosen_together(own, areas, may_overlap=may_overlap)
-        unlikely = [trial for trial in found.values() if trial.is_unlikely]
+        found = _chosen_together(own, areas, may_overlap=may_overlap)
+        unlikely = [trial for trial in found.trials.values() if trial.is_unlikely]
         if not unlikely:
-            return found, energy
+            return found
         least = min(unlikely, key=lambda trial: trial.chance)
         taken = least.candidate.region
         own[least.piece] = [each for each in own[least.piece] if each.candidate.region is not taken]
@@ -209,8 +229,8 @@ def chosen_together(
 
 def _chosen_together(
     own: Sequence[Sequence[Trial]], areas: Floats, *, may_overlap: bool
-) -> tuple[dict[int, Trial], float]:
-    """By piece the trial of its own that is chosen, with its chance; and the energy."""
+) -> Together:
+    """The same, however unlikely what is chosen is."""
     choice, among = choice_in_company(
         [[trial.candidate for trial in some] for some in own], areas, may_overlap=may_overlap
     )
@@ -236,7 +256,7 @@ def _chosen_together(
         )
         for k, trial in chosen.items()
     }
-    return found, choice.energy
+    return Together(found, choice.energy, choice.proven)
 
 
 def _chance_of_places(

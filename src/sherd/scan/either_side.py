@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Literal, TypeAlias, TypeVar
 
-from sherd.mesh.sides import bulge
+from sherd.mesh.sides import bulge, turned_over
 from sherd.scan.intake import Intake
 
-__all__ = ["SIDES", "SURE_BULGE", "Side", "better_side"]
+__all__ = ["SIDES", "SURE_BULGE", "Side", "better_side", "looking_outward"]
 
 Side: TypeAlias = Literal["either", "given"]
 SIDES: tuple[Side, ...] = ("either", "given")
@@ -61,3 +62,16 @@ def better_side(
     turned = first.turned_over()
     other = answer(turned) if rival is None else rival(turned, found)
     return found if other is None or score(other) <= score(found) else other
+
+
+def looking_outward(part: Intake) -> Intake:
+    """The part, turned over if it is inside out as far as its shape tells.
+
+    For questions that are asked of one side only. What clearly bulges inward is, and where the
+    faces do not tell what does so at all: of 288 pieces in six and twelve of 14 animals and people
+    the flattest bulges by 0.019. Answers are numbered as its original is, which stays as it was.
+    """
+    if bulge(part.mesh) >= (-SURE_BULGE if part.side_known else 0.0):
+        return part
+    said = "bulges inward, so it is taken to be inside out and turned over for this run"
+    return replace(part, mesh=turned_over(part.mesh), notices=(*part.notices, said))

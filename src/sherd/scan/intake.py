@@ -140,7 +140,7 @@ def _surface(cloud: PointCloud) -> Intake:
     known = cloud.normals is not None
     said = (
         f"holds {cloud.point_count} points and no faces; triangles were laid over the points, "
-        + ("outward by their normals" if known else "outward as far as shape and match tell"),
+        + ("outward by their normals" if known else "outward as far as their shape tells"),
     )
     return replace(_repaired(original, said), side_known=known)
 

@@ -54,7 +54,7 @@ def original_points(intake: Intake, points: SurfacePoints) -> SurfacePoints:
     Faces may have been dropped or turned and vertices doubled or welded; a face is recognized by
     the old representatives of its corners.
     """
-    if not intake.report.changed:
+    if not intake.report.changed and np.array_equal(intake.mesh.faces, intake.original.faces):
         return points
     before, after = _corner_names(intake)
     matching = _rows_found(np.sort(after, axis=1), np.sort(before, axis=1))

@@ -111,13 +111,13 @@ def with_twins(groups: Sequence[Union], asking: Asking, growth: Growth) -> list[
             return found
         best = max(joins, key=chance_of)
         growth.across.append(best)
-        growth.chances[best.first.members, best.second.members] = best.met.chance
         found = _joined(found, best, growth)
 
 
 def _joined(groups: Sequence[Union], join: Join, growth: Growth) -> list[Union]:
     growth.joins.append(join)
     growth.last.append(join)
+    growth.chances[join.first.members, join.second.members] = join.met.chance
     return [*_others(groups, join), united(join)]
 
 

@@ -209,7 +209,8 @@ def _rivals(join: Join, others: Sequence[Union], growth: Growth) -> list[Join]:
     return [
         before
         for other in others
-        if other.members != join.second.members and growth.promise(join.first, other) >= JOINED
+        if other.members not in (join.first.members, join.second.members)
+        and growth.promise(join.first, other) >= JOINED
         for before in growth.sure_before(join.first, other)
         if odds_beside(join, before, CROWDED) < DECIDED
         and crowding(join, before) > CROWD

@@ -173,6 +173,18 @@ class Growth:
         elif ground == Ground.GAP:
             self.filling.append(join.with_chance(chance))
 
+    def last_chances(self) -> dict[int, float]:
+        """By piece, of what was joined last, the chance of its place.
+
+        Where what was joined so is in a group that was joined so later, that of the less likely
+        one: its place follows from both.
+        """
+        found: dict[int, float] = {}
+        for join in self.last:
+            for member in join.second.members:
+                found[member] = min(chance_of(join), found.get(member, 1.0))
+        return found
+
     def settle(self, join: Join, loser: tuple[int, ...]) -> None:
         """Keep who lost it from a place, and forget that it lay there."""
         self.settled.append((join, loser))
@@ -223,8 +235,8 @@ def odds_beside(join: Join, rival: Join, often: float) -> float:
 
 
 def laid_there(before: Join, join: Join, members: tuple[int, ...]) -> bool:
-    """Whether an earlier answer laid these members where the second of a join lies."""
-    return before.second.members == members and crowding(before, join) > CROWD
+    """Whether an answer laid these members, or a union of them, where the second of a join lies."""
+    return set(members) <= set(before.second.members) and crowding(before, join) > CROWD
 
 
 def undisputed(claims: Sequence[tuple[Union, Join]]) -> list[tuple[Union, Join]]:

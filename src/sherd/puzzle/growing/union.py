@@ -64,7 +64,7 @@ class Union:
     Attributes
     ----------
     mesh
-        In the pose, frame and unit of the first piece.
+        In the pose and unit of the first piece; of several in the frame that its working mesh has.
     owner
         (n,) the piece that each vertex is from.
     places

@@ -102,6 +102,7 @@ def _document(result: Assembly, command: str) -> dict[str, Any]:
         "contacts": [asdict(contact) for contact in result.contacts],
         "shared": [asdict(place) for place in result.shared],
         "energy": result.energy,
+        "proven": result.proven,
         "check": asdict(result.check()),
         "options": asdict(result.options),
         "seed": result.options.seed,
@@ -158,6 +159,11 @@ def _doubts(result: Assembly) -> str:
     if not result.placed:
         return "doubtful: no piece has a place; is this the right full shape, in the same unit?"
     doubted = [str(k) for k in result.placed if not result.pieces[k].sure]
+    if not doubted:
+        return (
+            "doubtful: there may be a better choice of places for all pieces together, as so many "
+            "fit in so many places; give fewer pieces at a time"
+        )
     return f"doubtful: look at the place of piece {', '.join(doubted)}"
 
 

@@ -59,7 +59,7 @@ def joined_report(result: Joined, *, command: str = "") -> Report:
         files[piece_file(number, "partners.csv")] = partial(_partners_csv, own)
     exhibit = replace(
         joined_exhibit(result.pieces, result.groups, partners),
-        verdict=Verdict.from_advice(_said(result), trusted=_good(result)),
+        verdict=Verdict.from_advice(_said(result), trusted=result.sure),
         summary=_sentences(result),
         facts={
             "Groups": {
@@ -195,7 +195,7 @@ def _document(result: Joined, command: str) -> dict[str, Any]:
         "version": result.version,
         "command": command,
         "full": None,
-        "status": "good" if _good(result) else "doubtful",
+        "status": "good" if result.sure else "doubtful",
         "pieces": [
             {
                 **mesh_facts(piece, result.notices[k] if result.notices else ()),
@@ -221,15 +221,8 @@ def _known(value: float) -> float | None:
     return float(value) if np.isfinite(value) else None
 
 
-def _good(result: Joined) -> bool:
-    """Whether anything surely belongs together."""
-    unsure = {*result.likely, *result.unplaced}
-    sure = (sum(k not in unsure for k in group) for group in result.groups)
-    return max(sure) > 1
-
-
 def _said(result: Joined) -> str:
-    if not _good(result):
+    if not result.sure:
         return "doubtful: no two pieces were surely found to share anything, if they overlap at all"
     alone = sum(len(group) == 1 for group in result.groups)
     together = len(result.groups) - alone
@@ -248,7 +241,7 @@ def _sentences(result: Joined) -> tuple[str, ...]:
     asked = sum(pair.asked for pair in result.pairs)
     count = len(result.groups)
     said = [f"{len(result.pieces)} pieces form {count} group{'s' * (count > 1)}."]
-    said.append(f"{asked} of {len(result.pairs)} pairs were asked in full.")
+    said.append(f"{asked} of {len(result.pairs)} pairs were asked.")
     said += [_likely_words(result, number) for number in result.likely]
     said += [
         f"{number} {result.pieces[number].name} belongs to its group, but where it lies is not "

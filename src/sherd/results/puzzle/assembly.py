@@ -181,6 +181,9 @@ class Assembly(FrozenState):
         As given, and of sherd.
     notices
         What was adapted in the full shape, in sentences.
+    proven
+        Whether no joint choice of placements has less energy; False if the search for one was
+        broken off, as many pieces with many alike places can be chosen in too many ways.
     """
 
     full: TriangleMesh
@@ -195,6 +198,7 @@ class Assembly(FrozenState):
     options: AssembleOptions
     version: str = field(default=__version__)
     notices: tuple[str, ...] = ()
+    proven: bool = True
 
     def __post_init__(self) -> None:
         count = self.full.vertex_count
@@ -238,9 +242,13 @@ class Assembly(FrozenState):
 
     @property
     def status(self) -> Status:
-        """Good if each placed piece is sure of its place, and one is; refusals are answers."""
+        """Good if each placed piece is sure of its place, and one is; refusals are answers.
+
+        And if no other choice of places is better.
+        """
         known = [piece.sure for piece in self.pieces if piece.placed]
-        return Status.GOOD if known and all(known) else Status.DOUBTFUL
+        good = bool(known) and all(known) and self.proven
+        return Status.GOOD if good else Status.DOUBTFUL
 
     @property
     def gap_membership(self) -> Floats:

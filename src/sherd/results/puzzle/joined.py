@@ -30,7 +30,8 @@ class PairAnswer:
     evidence
         Share of a few nodes that are worth more than chance on the other piece, in [0, 1]; cheap.
     asked
-        Whether they were on different sides of a question, alone or with their groups.
+        Whether they were on different sides of a question, in full or at a glance, alone or with
+        their groups.
     chance
         The highest of these, that what both sides share was found rightly; 0 if not asked.
     joined
@@ -82,6 +83,8 @@ class Joined(FrozenState):
         they are half likely to lie on it, or the skin of either is recognized there, as what is of
         another kind is not, but where they lie is not likely enough. Another body's piece of the
         same kind may do so as well.
+    sure
+        Whether two pieces at least surely belong together, whatever is said of others.
     """
 
     pieces: tuple[TriangleMesh, ...]
@@ -97,6 +100,7 @@ class Joined(FrozenState):
     likely: Mapping[int, float] = field(default_factory=dict)
     by_twin: tuple[int, ...] = ()
     unplaced: tuple[int, ...] = ()
+    sure: bool = False
 
     def __post_init__(self) -> None:
         if sorted(k for group in self.groups for k in group) != list(range(len(self.pieces))):
