@@ -13,7 +13,7 @@ from scipy.spatial import cKDTree
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.puzzle.growing.across import MOST_ACROSS, laid_across, on_its_twin
 from sherd.puzzle.pairwise.answer import JOINED
-from sherd.puzzle.pairwise.body import Body
+from sherd.puzzle.pairwise.body import Body, Lying
 from sherd.shapes import Fragment, creature, cut_by_ball, landmarks, whole
 from sherd.shapes.fragment import cut_by_level
 from sherd.spectral.geodesics import Geodesics
@@ -75,7 +75,7 @@ def test_what_lies_there_as_it_is_or_covers_the_body_is_no_mirror_image_of_a_lim
 
     def matched(first: Body, second: TriangleMesh) -> Any:
         assert np.allclose(second.vertices[:, 0], -body.vertices[:, 0])
-        return image
+        return Lying(image, 0.0)
 
     monkeypatch.setattr(Body, "matched", matched)
     assert (on_its_twin(Body(body, 0), body) is image) == stands

@@ -6,6 +6,7 @@ import pytest
 
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.puzzle.growing.belonging import chance_as_a_part
+from sherd.puzzle.pairwise import body as body_module
 from sherd.puzzle.pairwise.answer import LIKELY
 from sherd.puzzle.pairwise.body import Body
 from sherd.shapes import creature, cut_by_ball, landmarks, whole
@@ -42,3 +43,8 @@ def test_what_is_of_another_kind_is_none(body: Body, bottle: TriangleMesh) -> No
 def test_nor_is_what_is_larger_than_the_body(body: Body) -> None:
     larger = creature(5000)
     assert chance_as_a_part(body, larger.with_vertices(3.0 * larger.vertices)) == 0.0
+
+
+def test_what_is_folded_where_it_lies_is_none(body: Body, monkeypatch) -> None:
+    monkeypatch.setattr(body_module, "log_odds_against", lambda placement: -6.0)
+    assert chance_as_a_part(body, limb("tail_tip")) < LIKELY

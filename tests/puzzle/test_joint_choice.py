@@ -14,6 +14,7 @@ from sherd.puzzle.joint_choice import (
     Candidate,
     Ties,
     choice_among,
+    energy_of,
     joint_choice,
     shared_areas,
 )
@@ -151,6 +152,18 @@ def test_many_alike_pieces_go_where_each_is_likeliest(count: int) -> None:
     found = choice_among(ties, ties.chances)
     assert found.proven
     assert not found.candidates.any()
+
+
+def test_a_search_that_is_broken_off_keeps_what_it_began_with() -> None:
+    ties = ring(8)
+    right = np.zeros(8, dtype=np.int64)
+    found = choice_among(ties, ties.chances, start=right, most_nodes=0)
+    assert not found.proven
+    assert found.nodes == 0
+    assert found.candidates.tolist() == right.tolist()
+    assert found.energy == pytest.approx(energy_of(ties, ties.chances, right))
+    worse = np.array([1, 0, 0, 0, 0, 0, 0, -1])
+    assert choice_among(ties, ties.chances, start=worse).candidates.tolist() == right.tolist()
 
 
 def test_a_search_that_is_broken_off_says_so(monkeypatch) -> None:

@@ -11,7 +11,7 @@ import pytest
 from sherd.assemble import assemble
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.output import Stages
-from sherd.puzzle import trials
+from sherd.puzzle import against, trials
 from sherd.puzzle.company import choice_in_company
 from sherd.puzzle.joint_choice import Candidate
 from sherd.puzzle.trials import Trial, chosen_together
@@ -91,10 +91,10 @@ def test_what_hardly_speaks_against_a_piece_does_not_raise_the_bar() -> None:
 def test_skin_and_folds_speak_against_a_place_or_say_nothing(
     monkeypatch, alike, double, said
 ) -> None:
-    monkeypatch.setattr(trials, "alike_where_laid", lambda question, deformation: alike)
-    monkeypatch.setattr(trials, "share_laid_double", lambda part, deformation: double)
+    monkeypatch.setattr(against, "alike_where_laid", lambda question, deformation: alike)
+    monkeypatch.setattr(against, "share_laid_double", lambda part, deformation: double)
     placement = SimpleNamespace(question=SimpleNamespace(part=None), deformation=None)
-    assert trials.log_odds_against(placement) == pytest.approx(said)
+    assert against.log_odds_against(placement) == pytest.approx(said)
 
 
 def test_a_rival_elsewhere_is_no_trial_of_its_own(monkeypatch) -> None:

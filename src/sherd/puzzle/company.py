@@ -36,6 +36,7 @@ from sherd.arrays import Bools, Floats, Ints
 from sherd.correspondence.confidence import MOST
 from sherd.puzzle.joint_choice import (
     LEAST_CHANCE,
+    MOST_NODES,
     Candidate,
     Choice,
     Ties,
@@ -60,7 +61,9 @@ GIVEN = (4.7, 0.0)
 BY_CHANCE = 0.5
 # New neighbors change what is met; mostly the second choice is the last.
 ROUNDS = 3
-# From a better choice others are tried again, mostly to no avail; this bounds the time.
+# From a better choice others are tried again, mostly to no avail; this bounds the time, as does it
+# that all searches from other choices together have the nodes of the first one (MOST_NODES). Where
+# these are spent what is left is an exchange of one candidate at a time.
 SWEEPS = 4
 
 
@@ -89,7 +92,7 @@ def choice_in_company(
     given = company.chances_among(best.candidates, GIVEN)
     for piece, number, chance in zip(ties.owner, ties.number, given.tolist(), strict=True):
         judged[piece][number] = replace(judged[piece][number], chance=chance)
-    return Choice(best.candidates, best.energy, best.proven), judged
+    return Choice(best.candidates, best.energy, company.proven), judged
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,16 +106,13 @@ class _Settled:
     energy, chances
         By the chances (c,) of all candidates among it.
     settled
-        Whether no choice is better by these chances.
-    proven
-        Whether that is sure; False if the search was broken off.
+        Whether no choice is better by these chances, as far as was looked.
     """
 
     candidates: Ints
     energy: float
     chances: Floats
     settled: bool
-    proven: bool
 
 
 class _Company:
@@ -123,12 +123,17 @@ class _Company:
     ) -> None:
         self.ties: Ties = ties_of(pieces, areas)
         self._areas, self._may_overlap = areas, may_overlap
+        self._nodes_left = MOST_NODES
+        # whether no search was broken off
+        self.proven = True
         regions = [each.region for some in pieces for each in some]
         self._regions = np.array(regions, dtype=np.float64).reshape(-1, len(areas))
 
     def by_chances_alone(self) -> Ints:
         """The choice (k,) by what each is alone."""
-        return self._chosen_by(self.ties.chances).candidates
+        found = choice_among(self.ties, self.ties.chances, may_overlap=self._may_overlap)
+        self.proven = found.proven
+        return found.candidates
 
     def others(self, found: _Settled) -> Iterator[Ints]:
         """Choices (k,) with one candidate exchanged for another that is likely enough there.
@@ -147,7 +152,8 @@ class _Company:
         choice = Choice(candidates, 0.0, proven=True)
         for _ in range(ROUNDS):
             before = choice
-            choice = self._chosen_by(self.chances_among(before.candidates, CHOOSING))
+            chances = self.chances_among(before.candidates, CHOOSING)
+            choice = self._chosen_by(chances, before.candidates)
             if np.array_equal(choice.candidates, before.candidates):
                 break
         chances = self.chances_among(choice.candidates, CHOOSING)
@@ -156,7 +162,6 @@ class _Company:
             energy=energy_of(self.ties, chances, choice.candidates, may_overlap=self._may_overlap),
             chances=chances,
             settled=np.array_equal(choice.candidates, before.candidates),
-            proven=choice.proven,
         )
 
     def chances_among(self, candidates: Ints, weights: tuple[float, float]) -> Floats:
@@ -179,8 +184,18 @@ class _Company:
         chances: Floats = np.maximum(ties.chances, np.minimum(odds / (1.0 + odds), MOST))
         return chances
 
-    def _chosen_by(self, chances: Floats) -> Choice:
-        return choice_among(self.ties, chances, may_overlap=self._may_overlap)
+    def _chosen_by(self, chances: Floats, start: Ints | None) -> Choice:
+        """The choice by these chances, or one better than `start` where no more nodes are left."""
+        found = choice_among(
+            self.ties,
+            chances,
+            may_overlap=self._may_overlap,
+            start=start,
+            most_nodes=self._nodes_left,
+        )
+        self._nodes_left -= found.nodes
+        self.proven = self.proven and found.proven
+        return found
 
     def _is_in(self, candidates: Ints) -> Bools:
         """(c,) bool, the candidates that a choice (k,) takes."""

@@ -32,6 +32,7 @@ from sherd.puzzle.border import Border, facing_lengths
 
 __all__ = [
     "LEAST_CHANCE",
+    "MOST_NODES",
     "Candidate",
     "Choice",
     "Ties",
@@ -54,10 +55,10 @@ LEAST_CHANCE = 0.2
 # pieces, but takes a foreign piece with a chance of 0.24 that lies in the open but for 0.4 of its
 # border; from 0.012 on that one is refused.
 OMEGA = 0.02
-# Nodes of the search; puzzles of a dozen pieces need some hundreds, 20 pieces with three likely
-# places each on a ring some ten thousand. Beyond it, after a second, the best choice that was
-# found stands.
-MOST_NODES = 100_000
+# Nodes of the search; puzzles of a dozen pieces need some dozens, 20 pieces with three likely places
+# each on a ring some ten thousand. Beyond it, after a third of a second, the best choice that was
+# found stands: thirty alike pieces are chosen anew a hundred times while they are placed.
+MOST_NODES = 40_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,11 +95,14 @@ class Choice:
         Of the choice; 0 is that of none at all.
     proven
         Whether no choice is better; False if the search was broken off.
+    nodes
+        Of the search, that were looked at.
     """
 
     candidates: Ints
     energy: float
     proven: bool
+    nodes: int = 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -178,8 +182,26 @@ def joint_choice(
     return choice_among(ties, ties.chances, may_overlap=may_overlap)
 
 
-def choice_among(ties: Ties, chances: Floats, *, may_overlap: bool = False) -> Choice:
+def choice_among(
+    ties: Ties,
+    chances: Floats,
+    *,
+    may_overlap: bool = False,
+    start: Ints | None = None,
+    most_nodes: int | None = None,
+) -> Choice:
     """The choice of least energy by these chances (c,) of the candidates.
+
+    Parameters
+    ----------
+    ties, chances
+        Of all candidates.
+    may_overlap
+        As in :func:`joint_choice`.
+    start
+        A choice (k,) that a better one is looked for to; none at all if None.
+    most_nodes
+        When the search is broken off; `MOST_NODES` if None.
 
     Notes
     -----
@@ -188,14 +210,18 @@ def choice_among(ties: Ties, chances: Floats, *, may_overlap: bool = False) -> C
     """
     gain, cost = _gain_and_cost(ties, chances, may_overlap=may_overlap)
     chosen = np.full(ties.count, -1, dtype=np.int64)
-    energy, proven = 0.0, True
+    begun = np.zeros(len(gain), dtype=bool) if start is None else ties.number == start[ties.owner]
+    left = MOST_NODES if most_nodes is None else most_nodes
+    energy, proven, nodes = 0.0, True, 0
     for group in _groups(ties.owner, cost, ties.count):
-        search = _Search(group, ties.owner, gain, cost)
+        known = np.flatnonzero(begun & np.isin(ties.owner, group))
+        search = _Search(group, ties.owner, gain, cost, known, left - nodes)
         energy -= search.best_gain
         proven = proven and not search.broken_off
+        nodes += search.nodes
         for row in search.best:
             chosen[ties.owner[row]] = ties.number[row]
-    return Choice(chosen, energy, proven)
+    return Choice(chosen, energy, proven, nodes)
 
 
 def energy_of(ties: Ties, chances: Floats, candidates: Ints, *, may_overlap: bool = False) -> float:
@@ -242,7 +268,9 @@ class _Search:
     with the rest, as that pays for both.
     """
 
-    def __init__(self, group: Ints, owner: Ints, gain: Floats, cost: Floats) -> None:
+    def __init__(
+        self, group: Ints, owner: Ints, gain: Floats, cost: Floats, known: Ints, most_nodes: int
+    ) -> None:
         # at best a candidate has all the borders that it can share with the others' best
         reward = np.maximum(-cost, 0.0)
         of_piece = [np.flatnonzero(owner == piece) for piece in group]
@@ -258,22 +286,24 @@ class _Search:
             0.5 * _best_rewards(reward, options[depth:])[self._rows[start:]]
             for depth, start in enumerate(self._starts[:-1])
         ]
-        self._nodes = 0
-        self.best: list[int] = []
-        self.best_gain = 0.0
+        self._most_nodes = most_nodes
+        self.nodes = 0
+        self.broken_off = False
+        self.best = known.tolist()
+        self.best_gain = float(gain[known].sum() - 0.5 * cost[np.ix_(known, known)].sum())
+        if self.best_gain <= 0.0:
+            self.best, self.best_gain = [], 0.0
         self._descend(0, [], 0.0, gain[self._rows])
-
-    @property
-    def broken_off(self) -> bool:
-        """Whether the search reached its limit."""
-        return self._nodes >= MOST_NODES
 
     def _descend(self, depth: int, taken: list[int], total: float, left: Floats) -> None:
         """`left` (r,) is what each candidate of the rest gains beside those that are taken."""
-        self._nodes += 1
+        if self.nodes >= self._most_nodes:
+            self.broken_off = True
+            return
+        self.nodes += 1
         if total > self.best_gain:
             self.best, self.best_gain = list(taken), total
-        if depth == len(self._halves) or self.broken_off:
+        if depth == len(self._halves):
             return
         starts = self._starts[depth:]
         hoped = left + self._halves[depth]

@@ -9,14 +9,13 @@ import numpy as np
 from scipy.special import logit
 
 from sherd.arrays import Bools, Floats
-from sherd.correspondence.confidence import measured_chance, share_laid_double
-from sherd.correspondence.shared.relief_correlation import alike_where_laid
-from sherd.correspondence.working_placement import WorkingPlacement
+from sherd.correspondence.confidence import measured_chance
 from sherd.errors import InfeasibleError
 from sherd.mesh.sides import bulge
 from sherd.mesh.sizes import check_sizes
 from sherd.output import Stages
 from sherd.place import PlacedPart, labeled_part, laid_part, placed_part
+from sherd.puzzle.against import log_odds_against, lowered
 from sherd.puzzle.border import border_of
 from sherd.puzzle.company import choice_in_company
 from sherd.puzzle.joint_choice import LEAST_CHANCE, Candidate, shared_areas
@@ -37,7 +36,6 @@ __all__ = [
     "chosen_together",
     "clashes",
     "each_tried",
-    "log_odds_against",
     "sure_of_side",
     "trial_chance",
     "trials_alone",
@@ -66,14 +64,6 @@ LOST = 1.3
 # puzzle held out in turn the area under the ROC is 0.85; of the chance alone, on all, it is 0.88,
 # of this 0.91.
 COEFFICIENTS = (-4.8, 0.29, 8.1)
-# How alike the relief of the skin is, at least, where a piece lies right, and by how much less
-# likely the less alike makes it, in log odds. Of a logistic regression of both sides of that bound,
-# with the log odds of chances among the others as an offset, over 1,190 trials of 252 puzzles of 21
-# animals and people in three and five pieces, 890 of the trials right (error below 0.05). What is
-# more alike is no surer: a leg on another leg of its body is alike, too (docs/experiments.md).
-ALIKE, LESS_ALIKE = 0.38, 7.5
-# The same of the share that is laid double: none of those right ones has more than 0.11.
-DOUBLE, MORE_DOUBLE = 0.1, 13.0
 # Where odds are lowered by a factor of e and more a piece must reach for its place as much as any
 # other does. Of less a large piece of a cat or a lion would be refused that lies right, whose pose
 # stretches its skin (alike by 0.29 and 0.32), and with it what lies beside it.
@@ -114,7 +104,7 @@ class Trial:
 
     def lowered(self, chance: float) -> float:
         """The chance that it is right, by all else, if what speaks against it is asked as well."""
-        return measured_chance(float(logit(chance)) + self.against)
+        return lowered(chance, self.against)
 
     @property
     def is_unlikely(self) -> bool:
@@ -353,20 +343,6 @@ def trial_chance(chance: float, score: float) -> float:
     # a chance is never 0 or 1
     features = np.array([1.0, logit(chance), score])
     return measured_chance(float(features @ np.array(COEFFICIENTS)))
-
-
-def log_odds_against(placement: WorkingPlacement) -> float:
-    """What speaks against a placement, to be added to the log odds of its chance; at most 0.
-
-    A piece may be bent into any gap, and then neighbors and sizes speak for it. But bumps and
-    hollows do not come to lie on bumps and hollows by that, as nothing is laid by them; and to fill
-    a gap it may be folded.
-    """
-    question, deformation = placement.question, placement.deformation
-    alike = alike_where_laid(question, deformation)
-    skin = 0.0 if alike is None else min(LESS_ALIKE * (alike - ALIKE), 0.0)
-    double = share_laid_double(question.part, deformation)
-    return skin - MORE_DOUBLE * max(double - DOUBLE, 0.0)
 
 
 def trials_of(piece: int, placed: PlacedPart, partition: Partition) -> list[Trial]:

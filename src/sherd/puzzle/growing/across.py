@@ -108,10 +108,11 @@ def on_its_twin(body: Body, second: TriangleMesh) -> MatchResult | None:
     found = body.image_matched(second)
     if found is None:
         return None
-    as_it_is = found.twin_score
-    mirrored = as_it_is is None or found.best.score > as_it_is
-    covered = float(body.mesh.vertex_areas @ found.best.mask) / body.mesh.area
-    return found if mirrored and covered < LIMB else None
+    image = found.result
+    as_it_is = image.twin_score
+    mirrored = as_it_is is None or image.best.score > as_it_is
+    covered = float(body.mesh.vertex_areas @ image.best.mask) / body.mesh.area
+    return image if mirrored and covered < LIMB else None
 
 
 def twin_features(image: MatchResult, lying: Meeting) -> Floats:

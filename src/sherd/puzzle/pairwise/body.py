@@ -4,15 +4,19 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from sherd.arrays import Bools, Floats
-from sherd.correspondence.confidence import LEAST
+from sherd.correspondence.confidence import LEAST, MOST
 from sherd.correspondence.shared.told_placement import placed_where_told
 from sherd.errors import InfeasibleError
-from sherd.match import match_one_side
+from sherd.match import match_result
 from sherd.mesh.surface_points import closest_points
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.output import Stages
 from sherd.overlap import STRETCH, prepare_both_ways, queries_both_ways, questions_of
+from sherd.place import placed_part
+from sherd.puzzle.against import log_odds_against, lowered
 from sherd.puzzle.pairwise.answer import Meeting
 from sherd.puzzle.pairwise.meeting import NOTHING_KNOWN
 from sherd.results.match_options import MatchOptions
@@ -23,9 +27,9 @@ from sherd.surface.described import DescribedSurface
 from sherd.surface.prepared import described_part
 from sherd.surface.template import Template
 from sherd.surface.transformed import mirrored_mesh
-from sherd.threads import cached_property
+from sherd.threads import cached_property, one_blas_thread
 
-__all__ = ["Body", "Told"]
+__all__ = ["Body", "Lying", "Told"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,6 +46,27 @@ class Told:
 
     positions: Floats
     known: Bools
+
+
+@dataclass(frozen=True, eq=False)
+class Lying:
+    """A surface matched with a body as its whole.
+
+    Attributes
+    ----------
+    result
+        Where it lies.
+    against
+        What speaks against that place, in log odds, at most 0; see :func:`log_odds_against`.
+    """
+
+    result: MatchResult
+    against: float
+
+    @property
+    def chance(self) -> float:
+        """That it lies right, by that as well."""
+        return lowered(float(np.clip(self.result.chance or 0.0, LEAST, MOST)), self.against)
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,24 +96,24 @@ class Body:
         prepare_both_ways(surface)
         return surface
 
-    def matched(self, second: TriangleMesh) -> MatchResult | None:
+    @one_blas_thread()
+    def matched(self, second: TriangleMesh) -> Lying | None:
         """A surface as a piece of it; None where it cannot be, being larger, or a dot on it."""
-        options = MatchOptions(seed=self.seed)
+        options, stages = MatchOptions(seed=self.seed), Stages(visible=False)
         try:
-            return match_one_side(
-                self.template, scan_intake(second), options, Stages(visible=False)
-            )
+            placed = placed_part(self.template, scan_intake(second), options, stages)
         except InfeasibleError:
             return None
+        return Lying(match_result(placed, stages), log_odds_against(placed.best))
 
-    def image_matched(self, second: TriangleMesh) -> MatchResult | None:
+    def image_matched(self, second: TriangleMesh) -> Lying | None:
         """The same of the mirror image of a surface; asked more than once, found once."""
         if second not in self._images:
             self._images[second] = self.matched(mirrored_mesh(second))
         return self._images[second]
 
     @cached_property
-    def _images(self) -> dict[TriangleMesh, MatchResult | None]:
+    def _images(self) -> dict[TriangleMesh, Lying | None]:
         return {}
 
     def met(self, second: TriangleMesh, told: Told) -> Meeting:
