@@ -132,6 +132,20 @@ def test_a_copy_is_not_laid_into_a_gap() -> None:
     assert answer.gap_share > 0.2
 
 
+def test_a_scan_that_lies_on_several_is_refused_with_the_remedy(template) -> None:
+    """Each covers more than half of the others; two are enough to use most places up."""
+    full, walking = template.full, creature(5000, pose="walk")
+    scans = [each.mesh for each in puzzle_pieces(full, [walking, full, walking], overlap=0.5)]
+    answer = sherd.assemble(template, scans)
+    (refused,) = answer.refused
+    assert "% of its place where piece" in answer.pieces[refused].reason
+    assert "--may-overlap" in answer.pieces[refused].reason
+    for contact in answer.contacts:  # borders lie inside others, so nothing is open
+        assert not contact.gap > 0
+    allowed = sherd.assemble(template, scans, may_overlap=True)
+    assert allowed.placed == (0, 1, 2)
+
+
 def test_chances_of_pieces_are_those_that_their_answers_speak_of(answer) -> None:
     for piece in answer.pieces:
         assert piece.match.chance == piece.chance

@@ -17,6 +17,7 @@ from sherd.correspondence.shared.hints import kept_shape
 from sherd.errors import InfeasibleError, InputError, OptionError
 from sherd.mesh.sizes import SMALLEST_PART, check_areas
 from sherd.mesh.triangle_mesh import TriangleMesh
+from sherd.mesh.units import units_of_two
 from sherd.output import Stages
 from sherd.puzzle.growing.across import laid_across
 from sherd.puzzle.growing.asking import Asking
@@ -203,10 +204,10 @@ def _check_sizes(largest: TriangleMesh, piece: TriangleMesh) -> None:
     check_areas(largest, piece)
     ratio = piece.area / largest.area
     if ratio <= SMALLEST_PART:
+        proposal = units_of_two(piece.name, largest.name, math.sqrt(ratio))
         raise InfeasibleError(
             f"{piece.name} has {ratio:.4g} times the area of {largest.name}, so nothing can be "
-            f"found; if the two are in different units multiply the vertices of {piece.name} by "
-            f"{1 / math.sqrt(ratio):.4g}, which would make them equally large"
+            f"found; {proposal or 'are the two in different units?'}"
         )
 
 

@@ -176,6 +176,18 @@ def test_internal_errors_are_one_line(run, pair, tmp_path) -> None:
     assert "Traceback" not in done.stderr
 
 
+def test_what_control_c_makes_of_compiled_code_is_no_internal_error(run, pair, tmp_path) -> None:
+    (tmp_path / "sitecustomize.py").write_text(
+        "import importlib\n"
+        "m = importlib.import_module('sherd.locate')\n"
+        "def ended(*a, **k): raise SystemError('kernel') from KeyboardInterrupt()\n"
+        "m.locate = ended\n"
+    )
+    done = run("locate", *pair, "-o", tmp_path / "out", modules=tmp_path)
+    assert done.returncode == 130
+    assert "interrupted; nothing was left half-written" in done.stderr
+
+
 def test_check_says_usable_repairable_or_not(run, pair, tmp_path) -> None:
     assert run("check", pair[0]).returncode == 0
     full = read_mesh(pair[0])

@@ -7,7 +7,7 @@ import pytest
 from sherd.errors import InfeasibleError
 from sherd.mesh.sizes import check_sizes
 from sherd.mesh.triangle_mesh import TriangleMesh
-from sherd.mesh.units import MISTAKEN, likely_units, unit_factor
+from sherd.mesh.units import MISTAKEN, likely_units, unit_factor, units_of_two
 
 FULL = TriangleMesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]], name="full")
 
@@ -49,3 +49,15 @@ def test_what_was_typed_is_not_proposed_again() -> None:
     with pytest.raises(InfeasibleError, match="multiplied by 10") as caught:
         check_sizes(FULL, part(70), factor=10.0, options=True)
     assert "would fit" not in str(caught.value)
+
+
+@pytest.mark.parametrize(("one", "other"), [(0.8, 1000.0), (1.2, 1000.0), (1000.0, 1.2)])
+def test_of_two_pieces_either_may_be_the_larger_one(one, other) -> None:
+    said = units_of_two("this", "that", one / other)
+    assert ("this is in meters and that in millimeters" in said) == (one < other)
+    assert "0.001" in said
+    assert "1000" in said
+
+
+def test_sizes_that_no_units_explain_are_left_at_that() -> None:
+    assert units_of_two("this", "that", 1.0e-9) == ""

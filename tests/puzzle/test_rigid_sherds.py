@@ -11,6 +11,7 @@ from sherd.correspondence.labels.labeling import Problem
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.puzzle.rigid import rigid_trials
 from sherd.puzzle.rigid.motion import RigidMotion
+from sherd.puzzle.rigid.rigid_answer import rigid_answer
 from sherd.puzzle.rigid.rigid_trials import rigid_chance
 from sherd.puzzle.rigid.surface_fit import roughness
 from sherd.puzzle.rigid.voting import voted_motions
@@ -50,6 +51,16 @@ def test_sherds_come_home_though_fractures_fit_nowhere(answer) -> None:
         assert piece.match.status is Status.GOOD
         assert "of the piece lie on the full shape" in piece.reason
     assert found.check().passed
+
+
+def test_what_lies_nowhere_for_the_most_part_is_doubtful(answer) -> None:
+    """As closely as nothing lies, nothing does, though the place is the right one."""
+    piece = answer[0].pieces[0]
+    motion = RigidMotion(piece.transform[:3, :3], piece.transform[:3, 3])
+    assert rigid_answer(piece.match, motion, piece.chance, TOLERANCE).status is Status.GOOD
+    judged = rigid_answer(piece.match, motion, piece.chance, 1e-6)
+    assert judged.status is Status.DOUBTFUL
+    assert "give each by itself" in judged.advice
 
 
 def test_fractures_have_no_point_on_the_whole(answer) -> None:

@@ -6,7 +6,7 @@ import os
 import signal
 import sys
 import threading
-from typing import Any
+from typing import Any, NoReturn
 
 import click
 
@@ -46,10 +46,7 @@ class ReportingGroup(click.Group):
             error.show()
             sys.exit(error.exit_code)
         except (click.Abort, KeyboardInterrupt):
-            _when_interrupted_again(signal.SIG_IGN)
-            _say("interrupted; nothing was left half-written")
-            _when_interrupted_again(_leave_at_once)
-            sys.exit(INTERRUPTED)
+            _leave_interrupted()
         except SherdError as error:
             _say(str(error))
             sys.exit(_code(error))
@@ -61,6 +58,8 @@ class ReportingGroup(click.Group):
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
             sys.exit(0)
         except Exception as error:
+            if _was_interrupted(error):
+                _leave_interrupted()
             if os.environ.get("SHERD_DEBUG"):
                 raise
             _say(
@@ -69,6 +68,19 @@ class ReportingGroup(click.Group):
             )
             sys.exit(INTERNAL)
         sys.exit(result if isinstance(result, int) else 0)
+
+
+def _was_interrupted(error: BaseException) -> bool:
+    """Whether an error stands for Ctrl-C: where that ends compiled code it has one of its own."""
+    cause = error.__cause__ or error.__context__
+    return isinstance(error, KeyboardInterrupt) or (cause is not None and _was_interrupted(cause))
+
+
+def _leave_interrupted() -> NoReturn:
+    _when_interrupted_again(signal.SIG_IGN)
+    _say("interrupted; nothing was left half-written")
+    _when_interrupted_again(_leave_at_once)
+    sys.exit(INTERRUPTED)
 
 
 def _when_interrupted_again(handler: Any) -> None:

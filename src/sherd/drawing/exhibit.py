@@ -298,6 +298,8 @@ class Exhibit:
     overlaid
         Whether both shapes lie in one coordinate system, so that the part can be drawn over the
         full shape.
+    unit_of
+        The shape whose sqrt(area) is the unit of errors; the full shape when None.
     takes_hints
         Whether landmarks, and regions to ignore, can be given to the same question: the page then
         has tools for them.
@@ -333,6 +335,7 @@ class Exhibit:
     takes_hints: bool = False
     full_before: Floats | None = None
     overlaid: bool = False
+    unit_of: TriangleMesh | None = None
 
     def __post_init__(self) -> None:
         anchors = np.empty((0, 2)) if self.anchors is None else np.asarray(self.anchors)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Literal, TypeAlias, get_args
 
-__all__ = ["UNITS", "Unit", "likely_units", "unit_factor", "unit_proposal"]
+__all__ = ["UNITS", "Unit", "likely_units", "unit_factor", "unit_proposal", "units_of_two"]
 
 Unit: TypeAlias = Literal["mm", "cm", "m", "in", "ft"]
 UNITS: tuple[Unit, ...] = get_args(Unit)
@@ -72,3 +72,31 @@ def unit_proposal(ratio: float, *, options: bool = True) -> str:
         for part, full in likely_units(ratio)
     ]
     return f"the sizes would fit {'; or '.join(said)}" if said else ""
+
+
+def units_of_two(one: str, other: str, ratio: float) -> str:
+    """The most usual units of two pieces in a sentence; empty if none would explain their sizes.
+
+    Either may be the larger one.
+
+    Parameters
+    ----------
+    one, other
+        Their names.
+    ratio
+        sqrt of the area of the first over that of the second, as their files say.
+
+    Examples
+    --------
+    >>> units_of_two("a", "b", 0.0012)
+    'if a is in meters and b in millimeters, multiply the vertices of a by 1000 or those of b by 0.001'
+    """  # noqa: E501 - a line that is said
+    pairs = MISTAKEN if ratio > 1 else tuple((there, here) for here, there in MISTAKEN)
+    for here, there in pairs:
+        if LEAST <= ratio * unit_factor(here, there) <= 1 / LEAST:
+            return (
+                f"if {one} is in {NAMES[here]} and {other} in {NAMES[there]}, multiply the "
+                f"vertices of {one} by {unit_factor(here, there):.6g} or those of {other} by "
+                f"{unit_factor(there, here):.6g}"
+            )
+    return ""

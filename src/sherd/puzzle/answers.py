@@ -33,6 +33,8 @@ __all__ = ["AssemblyQuestion", "Decision", "assembly_of"]
 # Two pieces share a place if that is more than a strip two vertex spacings wide along a border as
 # long as the smaller one is wide; below it borders are merely inexact. As a share of the smaller.
 SHARED = 0.05
+# A piece of which so much lies on another one lies there wholly, but for where borders are inexact.
+WHOLLY = 0.9
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,6 +97,7 @@ def assembly_of(question: AssemblyQuestion, decision: Decision, stages: Stages) 
         if not question.options.rigid:  # what does not stretch reaches all that belongs to it
             rows = question.partition.without_lapses(rows, _ends(placed.values()))
         labels = numbers[rows]
+        shared = _shared(template, placed)
         lift = template.intake.report.to_original
         return Assembly(
             full=template.full,
@@ -104,8 +107,8 @@ def assembly_of(question: AssemblyQuestion, decision: Decision, stages: Stages) 
                 [lift(row, fill=0.0) for row in _memberships(template, labels, len(answers))]
             ),
             gaps=_gaps(question, labels),
-            contacts=_contacts(question, labels, placed),
-            shared=_shared(template, placed),
+            contacts=_contacts(question, labels, placed, shared),
+            shared=shared,
             energy=decision.together.energy,
             timings=MappingProxyType(dict(stages.seconds)),
             options=question.options,
@@ -140,7 +143,7 @@ def _answer(
     return PieceAnswer(
         result.part,
         placed=False,
-        reason=_refusal(alone, instead, chance),
+        reason=_refusal(alone, instead, chance, _share_on(alone, instead, decision)),
         chance=chance,
         match=result,
         instead=instead,
@@ -185,7 +188,22 @@ def _rival(alone: Trial, chosen: Mapping[int, Trial]) -> int | None:
     return max(rivals, key=lambda k: float(areas @ (core & chosen[k].candidate.core)), default=None)
 
 
-def _refusal(alone: Trial, instead: int | None, chance: float) -> str:
+def _share_on(alone: Trial, instead: int | None, decision: Decision) -> float:
+    """Share of the place of a piece alone that another one has."""
+    if instead is None:
+        return 0.0
+    areas = alone.placed.template.placed.vertex_areas
+    own, other = alone.candidate.region, decision.together.trials[instead].candidate.region
+    return float(areas @ (own & other)) / float(areas @ own)
+
+
+def _refusal(alone: Trial, instead: int | None, chance: float, share: float) -> str:
+    if instead is not None and share < WHOLLY:
+        return (
+            f"has {share:.0%} of its place where piece {instead} lies, which fits better; "
+            "elsewhere nothing is alike enough; if these are scans that overlap let them "
+            "(--may-overlap)"
+        )
     if instead is not None:
         return (
             f"fits only where piece {instead} lies, which fits better; elsewhere nothing is alike "
@@ -195,7 +213,7 @@ def _refusal(alone: Trial, instead: int | None, chance: float) -> str:
         return (
             "fits about as closely in several places, so none is told: what is round fits all "
             "around, what is alike on several sides on each, and so does a piece of another such "
-            "thing; larger pieces may tell"
+            "thing, or one that is bent; larger pieces may tell; if it is bent leave rigid out"
         )
     if chance >= SURE:
         return (
@@ -243,9 +261,13 @@ def _ends(placed: Iterable[PlacedPart]) -> Floats:
 
 
 def _contacts(
-    question: AssemblyQuestion, labels: Ints, placed: Mapping[int, PlacedPart]
+    question: AssemblyQuestion,
+    labels: Ints,
+    placed: Mapping[int, PlacedPart],
+    shared: Sequence[SharedPlace],
 ) -> tuple[Contact, ...]:
     numbers, unit = list(placed), question.template.length
+    overlapping = [{place.first, place.second} for place in shared]
     fits = fits_of(
         [part.question for part in placed.values()], [part.best for part in placed.values()]
     )
@@ -258,6 +280,9 @@ def _contacts(
         gap = np.concatenate([fits[here].gap[fits[here].piece == there] for here, there in ends])
         apart = float(np.abs(gap).mean()) * unit if len(gap) else float("nan")
         open_by = float(gap.mean()) * unit if len(gap) else float("nan")
+        if open_by > 0 and {one, other} in overlapping:
+            # each has its border inside the other; what is near are borders of something else
+            apart = open_by = float("nan")
         found.append(Contact(one, other, length * unit, apart, open_by))
     return tuple(sorted(found, key=lambda contact: -contact.length))
 

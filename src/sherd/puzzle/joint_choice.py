@@ -55,9 +55,9 @@ LEAST_CHANCE = 0.2
 # pieces, but takes a foreign piece with a chance of 0.24 that lies in the open but for 0.4 of its
 # border; from 0.012 on that one is refused.
 OMEGA = 0.02
-# Nodes of the search; puzzles of a dozen pieces need some dozens, 20 pieces with three likely places
-# each on a ring some ten thousand. Beyond it, after a third of a second, the best choice that was
-# found stands: thirty alike pieces are chosen anew a hundred times while they are placed.
+# Nodes of the search; puzzles of a dozen pieces need some dozens, 20 pieces with three likely
+# places each on a ring some ten thousand. Beyond it, after a third of a second, the best choice
+# that was found stands: thirty alike pieces are chosen anew a hundred times while they are placed.
 MOST_NODES = 40_000
 
 
@@ -274,7 +274,9 @@ class _Search:
         # at best a candidate has all the borders that it can share with the others' best
         reward = np.maximum(-cost, 0.0)
         of_piece = [np.flatnonzero(owner == piece) for piece in group]
-        most = gain + _best_rewards(reward, of_piece)
+        most = gain + sum(
+            (reward[:, some].max(axis=1) for some in of_piece if len(some)), np.zeros(len(gain))
+        )
         options = [some[most[some] > 0] for some in of_piece]
         options = sorted(
             (some for some in options if len(some)), key=lambda some: -most[some].max()
@@ -282,10 +284,7 @@ class _Search:
         self._rows = np.concatenate([*options, np.empty(0, dtype=np.int64)])
         self._starts = np.cumsum([0, *map(len, options)])
         self._cost = cost[np.ix_(self._rows, self._rows)]
-        self._halves = [
-            0.5 * _best_rewards(reward, options[depth:])[self._rows[start:]]
-            for depth, start in enumerate(self._starts[:-1])
-        ]
+        self._halves = self._half_rewards(reward[np.ix_(self._rows, self._rows)])
         self._most_nodes = most_nodes
         self.nodes = 0
         self.broken_off = False
@@ -294,6 +293,18 @@ class _Search:
         if self.best_gain <= 0.0:
             self.best, self.best_gain = [], 0.0
         self._descend(0, [], 0.0, gain[self._rows])
+
+    def _half_rewards(self, reward: Floats) -> list[Floats]:
+        """By depth, for each candidate of the rest, half of the borders that it can share with it.
+
+        With one candidate of each piece of the rest, the best.
+        """
+        starts = self._starts[:-1]
+        if not len(starts):
+            return []
+        of_piece = np.maximum.reduceat(reward, starts, axis=1)
+        of_rest = np.cumsum(of_piece[:, ::-1], axis=1)[:, ::-1]
+        return [0.5 * of_rest[start:, depth] for depth, start in enumerate(starts)]
 
     def _descend(self, depth: int, taken: list[int], total: float, left: Floats) -> None:
         """`left` (r,) is what each candidate of the rest gains beside those that are taken."""
@@ -318,11 +329,3 @@ class _Search:
                 depth + 1, [*taken, int(self._rows[row])], total + float(left[number]), further
             )
         self._descend(depth + 1, taken, total, left[count:])
-
-
-def _best_rewards(reward: Floats, pieces: Sequence[Ints]) -> Floats:
-    """The most (c,) that each candidate can share of borders with one candidate of each piece."""
-    best: Floats = sum(
-        (reward[:, some].max(axis=1) for some in pieces if len(some)), np.zeros(len(reward))
-    )
-    return best

@@ -168,11 +168,13 @@ def _tradeoff(exhibit: Exhibit) -> str:
     plot = "" if partner is None else tradeoff_svg(np.asarray(partner.confidence), partner.known)
     if not plot:
         return ""
-    unit = float(np.sqrt(exhibit.full.area))
+    of = exhibit.full if exhibit.unit_of is None else exhibit.unit_of
+    whose = "the full shape" if of is exhibit.full else of.name
+    unit = float(np.sqrt(of.area))
     words = (
         "How many vertices remain if only the surer answers are kept. Confidence is the chance "
         f"that an answer is within 0.05 sqrt(area), here {0.05 * unit:.4g}, of the truth: "
-        f"1 sqrt(area) of the full shape is {unit:.4g} in the units of its file."
+        f"1 sqrt(area) of {whose} is {unit:.4g} in the units of its file."
     )
     return (
         '<div class="card wide tradeoff"><div><h2>What the confidence is worth</h2>'

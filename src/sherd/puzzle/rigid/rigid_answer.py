@@ -11,9 +11,14 @@ from sherd.puzzle.rigid.motion import RigidMotion
 from sherd.puzzle.rigid.surface_fit import lying_on
 from sherd.results.advice import SURE, Doubts
 from sherd.results.match_result import MatchResult
+from sherd.results.status import Status
 from sherd.scan.numbering import outward_normals
 
 __all__ = ["rigid_answer"]
+
+# A sherd has fracture by two fifths of its area at most, which lies nowhere, or is not found. Of
+# what has more some lies where it does not belong, as one of two pieces in one file.
+LEAST_LYING = 0.5
 
 
 def rigid_answer(
@@ -43,8 +48,15 @@ def rigid_answer(
     planes = planes * np.sign(np.einsum("ij,ij->i", planes, outward))[:, None]
     _, lies = lying_on(feet, planes, here, normals, tolerance * full.length)
     area = part.vertex_areas
-    if chance >= SURE:
-        share = float(area @ lies / area.sum())
+    share = float(area @ lies / area.sum())
+    status = Doubts(chance=chance).status
+    if chance >= SURE and share < LEAST_LYING:
+        status = Status.DOUBTFUL
+        advice = (
+            f"doubtful: {share:.0%} of the piece lie on the full shape, and most of it nowhere; if "
+            "the file holds several pieces give each by itself"
+        )
+    elif chance >= SURE:
         advice = (
             f"good: {share:.0%} of the piece lie on the full shape, more closely than elsewhere"
         )
@@ -56,5 +68,4 @@ def rigid_answer(
     best = replace(
         result.best, matched=lies, confidence=np.where(lies, np.clip(chance, LEAST, 1.0), LEAST)
     )
-    status = Doubts(chance=chance).status
     return replace(result, best=best, status=status, advice=advice, chance=chance)

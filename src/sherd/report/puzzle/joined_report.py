@@ -110,6 +110,7 @@ def joined_exhibit(
         names=("Pieces", "Pieces again"),
         part_stands=True,
         part_numbers=row.numbers,
+        unit_of=max(pieces, key=lambda piece: piece.area),
     )
 
 
