@@ -9,6 +9,7 @@ import pytest
 
 import sherd
 from sherd.arrays import Ints
+from sherd.cli.assembling import assembly_summary
 from sherd.errors import InputError, InvalidMeshError, OptionError
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.results import advice
@@ -212,6 +213,8 @@ def test_no_pieces_and_unknown_options_are_refused(template) -> None:
         sherd.AssembleOptions(tolerance=0.5)
     with pytest.raises(OptionError, match="tolerance is x"):
         sherd.AssembleOptions(tolerance="x")
+    with pytest.raises(OptionError, match="is for rigid pieces: give rigid=True"):
+        sherd.AssembleOptions(tolerance=0.02)
     with pytest.raises(OptionError, match="overlap"):
         sherd.assemble(template, [], overlap=True)
 
@@ -234,6 +237,8 @@ def test_a_choice_that_was_broken_off_is_doubtful_and_says_why(answer, tmp_path)
     assert answer.status is Status.GOOD
     broken = replace(answer, proven=False)
     assert broken.status is Status.DOUBTFUL
+    assert "a better choice of places" in assembly_summary(broken, tmp_path)
+    assert "a better choice of places" not in assembly_summary(answer, tmp_path)
     sherd.write_report(broken, tmp_path / "broken")
     page = (tmp_path / "broken" / "report.html").read_text(encoding="utf-8")
     assert "may be a better choice of places for all pieces together" in page

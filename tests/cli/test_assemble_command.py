@@ -133,7 +133,7 @@ def test_what_is_missing_or_wrong_is_said_in_a_line(answered, tmp_path) -> None:
     assert lost.exit_code == 3
     assert "no.ply" in lost.output
     words = ["assemble", *files, "-o", str(tmp_path / "c"), "--tolerance"]
-    for wrong, said in (([*words, "3"], "0.1"), ([*words, "0.02"], "give --rigid")):
+    for wrong, said in (([*words, "3", "--rigid"], "0.1"), ([*words, "0.02"], "give --rigid")):
         refused = runner.invoke(main, wrong)
         assert refused.exit_code == 2
         assert said in refused.output

@@ -104,16 +104,17 @@ def assemble_command(  # noqa: PLR0913 - one for each word that can be typed
       sherd assemble --no-full scan*.ply -o out/
     """  # noqa: D301
     require_seed(seed)
-    options = AssembleOptions(
-        may_overlap=may_overlap, rigid=rigid, tolerance=tolerance, side=side, seed=seed
-    )
-    if no_full and (rigid or may_overlap or template is not None or _typed("side")):
+    needless = ("tolerance", "side")
+    if no_full and (rigid or may_overlap or template is not None or any(map(_typed, needless))):
         raise click.UsageError(
-            "--rigid, --may-overlap, --template and --side need a whole: leave --no-full out and "
-            "name the whole first"
+            "--rigid, --tolerance, --may-overlap, --template and --side need a whole: leave "
+            "--no-full out and name the whole first"
         )
     if _typed("tolerance") and not rigid:
         raise click.UsageError("--tolerance is for rigid pieces: give --rigid, or leave it out")
+    options = AssembleOptions(
+        may_overlap=may_overlap, rigid=rigid, tolerance=tolerance, side=side, seed=seed
+    )
     if len(shapes) < 2:
         raise click.UsageError(
             "give a whole and at least one piece, or, with --no-full, two pieces"
@@ -169,6 +170,10 @@ def assembly_summary(result: Assembly, output: Path) -> str:
     """The answer in a few lines for the terminal."""
     lines = [_piece_line(result, piece) for piece in range(len(result.pieces))]
     lines.append(f"{100 * result.gap_share:.1f} % of the full shape is covered by no piece.")
+    if not result.proven:
+        lines.append(
+            "There may be a better choice of places for all pieces together; give fewer at a time."
+        )
     lines.append(f"Open {output / 'report.html'} to see it; numbers are in {output}.")
     return "\n".join(lines)
 

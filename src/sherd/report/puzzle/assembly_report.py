@@ -162,7 +162,7 @@ def _doubts(result: Assembly) -> str:
     if not doubted:
         return (
             "doubtful: there may be a better choice of places for all pieces together, as so many "
-            "fit in so many places; give fewer pieces at a time"
+            "fit in so many places; give fewer at a time"
         )
     return f"doubtful: look at the place of piece {', '.join(doubted)}"
 

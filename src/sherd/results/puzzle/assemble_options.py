@@ -45,7 +45,7 @@ class AssembleOptions:
     Raises
     ------
     OptionError
-        If a value is outside its range.
+        If a value is outside its range, or a tolerance is given for what is not rigid.
 
     Examples
     --------
@@ -76,6 +76,11 @@ class AssembleOptions:
         for name in ("may_overlap", "rigid"):
             object.__setattr__(self, name, bool(getattr(self, name)))
         object.__setattr__(self, "tolerance", float(self.tolerance))
+        if self.tolerance != TOLERANCE and not self.rigid:
+            raise OptionError(
+                f"tolerance is {self.tolerance:g}, which is for rigid pieces: give rigid=True, or "
+                "leave it out"
+            )
         object.__setattr__(self, "seed", int(self.seed))
 
 
