@@ -68,6 +68,9 @@ def test_files_are_written_and_read_back(answer, tmp_path) -> None:
     rows = (tmp_path / "out" / "piece_0" / "partners.csv").read_text().splitlines()
     assert rows[0] == "part_vertex,piece,face,b0,b1,b2,vertex,confidence"
     assert {row.split(",")[1] for row in rows[1:]} == {"1"}
+    largest = max(answer.pieces, key=lambda piece: piece.area)
+    page = (tmp_path / "out" / "report.html").read_text()
+    assert f"1 sqrt(area) of {largest.name} is {np.sqrt(largest.area):.4g}" in page
     exhibit = read_exhibit(tmp_path / "out")
     assert exhibit.part.vertex_count == sum(piece.vertex_count for piece in answer.pieces)
     assert exhibit.partner.known.any()
