@@ -17,8 +17,8 @@ from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.report.stored.folder import folder_problems
 from sherd.report.stored.stored_exhibit import read_exhibit
 from sherd.results.puzzle.joined import Joined
-from sherd.shapes import creature, cut_by_ball, landmarks, moved, whole
-from sherd.shapes.fragment import Fragment
+from sherd.shapes import creature, cut_by_ball, landmarks, moved, puzzle_pieces, whole
+from sherd.shapes.fragment import Fragment, noisy
 
 SCHEMA = Path(__file__).parents[1] / "docs" / "schema" / "assembly-alone.json"
 
@@ -55,6 +55,24 @@ def test_each_piece_has_its_points_on_the_others(answer, pieces) -> None:
         at = found.points[rows].interpolate(other.mesh, other.truth.positions(other.full))
         off = np.linalg.norm(at - own.truth[rows].positions(own.full), axis=1)
         assert off.mean() < 0.02 * own.full.length
+
+
+def test_noisy_scans_are_joined_as_surely_as_clean_ones() -> None:
+    full, walking = creature(5000), creature(5000, pose="walk")
+    rng = np.random.default_rng(0)
+    scans = [
+        noisy(piece, 0.002, rng=rng) for piece in puzzle_pieces(full, [walking, full], overlap=0.5)
+    ]
+    found = sherd.join([scan.mesh for scan in scans])
+    assert found.groups == ((0, 1),)
+    assert found.sure
+    assert found.pairs[0].chance > 0.85  # 0.72 where each is as noisy as its file
+    assert all("noisy" in said[-1] for said in found.notices)
+    there = found.maps[0, 1]
+    rows = np.flatnonzero(there.matched)
+    at = there.points[rows].interpolate(scans[1].mesh, scans[1].truth.positions(full))
+    off = np.linalg.norm(at - scans[0].truth[rows].positions(full), axis=1)
+    assert off.mean() < 0.015 * full.length
 
 
 def test_files_are_written_and_read_back(answer, tmp_path) -> None:

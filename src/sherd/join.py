@@ -38,6 +38,7 @@ from sherd.results.puzzle.assemble_options import AssembleKeywords, AssembleOpti
 from sherd.results.puzzle.joined import Joined, PairAnswer
 from sherd.scan.either_side import looking_outward
 from sherd.scan.intake import ScanSource, piece_intakes
+from sherd.spectral.denoising import smoothed_alike
 from sherd.surface.prepared import described_part
 from sherd.surface.transformed import mirrored_mesh
 from sherd.threads import one_blas_thread
@@ -129,20 +130,21 @@ def join(
             "two pieces are needed"
         )
     _refuse_needless(options)
-    shapes = [
-        kept_shape(intake, (), name=f"piece {number}") for number, intake in enumerate(intakes)
+    kept = [
+        kept_shape(intake, (), name=f"piece {number}").mesh for number, intake in enumerate(intakes)
     ]
-    largest = max(shapes, key=lambda shape: shape.mesh.area)
-    for shape in shapes:
-        _check_sizes(largest.mesh, shape.mesh)
-    unit = largest.mesh.length
-    whole = _length_of_whole([shape.mesh.area for shape in shapes])
+    largest = max(kept, key=lambda mesh: mesh.area)
+    for mesh in kept:
+        _check_sizes(largest, mesh)
+    smooth = smoothed_alike(kept, largest.length)
+    unit = max(mesh.length for mesh in smooth.meshes)
+    whole = _length_of_whole([mesh.area for mesh in smooth.meshes])
     # each may be asked in two units, and a union that asks all others is one more
-    describe = lru_cache(maxsize=2 * len(shapes) + 1)(described_part)
+    describe = lru_cache(maxsize=2 * len(kept) + 1)(described_part)
     with stages("evidence"):
-        evidence = pair_evidence([describe(shape.mesh, unit) for shape in shapes], options.seed)
+        evidence = pair_evidence([describe(mesh, unit) for mesh in smooth.meshes], options.seed)
     with stages("growth"):
-        alone = [Union.of_piece(shape.mesh, number) for number, shape in enumerate(shapes)]
+        alone = [Union.of_piece(mesh, number) for number, mesh in enumerate(smooth.meshes)]
         # one body asks all that are left at last
         body = lru_cache(maxsize=1)(partial(Body, seed=options.seed))
         asking = _Asking(partial(_question, options.seed, whole, describe), body, stages)
@@ -181,7 +183,9 @@ def join(
         cycle_after=errors[1],
         timings=MappingProxyType(dict(stages.seconds)),
         options=options,
-        notices=tuple(intake.notices for intake in intakes),
+        notices=tuple(
+            (*intake.notices, *said) for intake, said in zip(intakes, smooth.notices, strict=True)
+        ),
         likely=MappingProxyType(growth.last_chances()),
         sure=len(growth.joins) > len(growth.last),
         by_twin=tuple(sorted(member for join in growth.across for member in join.second.members)),
