@@ -86,6 +86,8 @@ def test_a_noisy_piece_is_compared_with_clean_ones_that_are_as_smooth(clean):
         scan.vertex_count,
     ]
     assert noise_level(found.meshes[1]) < 0.3 * found.noise[1]
+    assert found.notices[0][0].startswith("others are noisy")
+    assert found.notices[1][0].startswith("its vertices are noisy")
 
 
 def test_corners_of_a_machine_part_stay_where_they_are():

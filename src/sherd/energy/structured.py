@@ -13,11 +13,11 @@ from dataclasses import replace
 
 import numpy as np
 from scipy import sparse
-from scipy.sparse.linalg import splu
 
 from sherd.arrays import Floats, Ints
 from sherd.energy.convergence import Convergence
 from sherd.energy.quadratic import QuadraticSolution, StructuredQuadratic, certified
+from sherd.spectral.factorization import factorized
 
 __all__ = ["active_sets", "interior_point", "solve_structured"]
 
@@ -169,12 +169,7 @@ class _Bordered:
             block = block[free][:, free]
         if diagonal is not None:
             block = block + sparse.diags_array(diagonal)
-        factor = splu(
-            sparse.csc_array(block),
-            permc_spec="MMD_AT_PLUS_A",
-            diag_pivot_thresh=0.0,
-            options={"SymmetricMode": True},
-        )
+        factor = factorized(sparse.csc_array(block))
         border = problem.low_rank[free]
         self._rank = border.shape[1]
         if problem.equality is not None:

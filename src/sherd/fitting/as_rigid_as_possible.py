@@ -20,14 +20,13 @@ Schweikert, *An interpolation curve using a spline in tension*, 1966: the contin
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 from scipy import sparse
-from scipy.sparse.linalg import splu
 
 from sherd.arrays import Bools, Floats
 from sherd.mesh.triangle_mesh import TriangleMesh
+from sherd.spectral.factorization import factorized
 from sherd.surface.elastic_surface import ElasticSurface, elastic_surface
 from sherd.threads import cached_property
 
@@ -191,8 +190,7 @@ def _spread(springs: sparse.csr_array, positions: Floats) -> Floats:
 
 def _factorized(matrix: sparse.csr_array) -> Callable[[Floats], Floats]:
     """Direct solver of a symmetric positive definite problem; many right sides are cheap."""
-    # minimum degree on the pattern of A' + A: a third of the fill of the default for such matrices
-    factors: Any = splu(matrix.tocsc(), permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
+    factors = factorized(matrix.tocsc())
 
     def solve(right: Floats) -> Floats:
         return np.asarray(factors.solve(np.ascontiguousarray(right)), dtype=np.float64)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import robust_laplacian
 from scipy import sparse
-from scipy.sparse.linalg import LinearOperator, eigsh, splu
+from scipy.sparse.linalg import LinearOperator, eigsh
 
 from sherd.arrays import Floats, FrozenState, frozen
 from sherd.errors import OptionError
@@ -16,6 +16,7 @@ from sherd.limits import require_memory
 from sherd.mesh.geometry import edge_lengths
 from sherd.mesh.topology import renumbered
 from sherd.mesh.triangle_mesh import TriangleMesh
+from sherd.spectral.factorization import factorized
 from sherd.spectral.operators import stiffness
 from sherd.threads import one_blas_thread
 
@@ -177,12 +178,7 @@ def _smallest_pairs(weak: sparse.csr_array, mass: Floats, count: int) -> tuple[F
         values, vectors = values[:count], vectors[:, :count]
     else:
         shifted = sparse.csc_array(matrix + SHIFT * sparse.eye_array(size))
-        factor = splu(
-            shifted,
-            permc_spec="MMD_AT_PLUS_A",
-            diag_pivot_thresh=0.0,
-            options={"SymmetricMode": True},
-        )
+        factor = factorized(shifted)
         inverse = LinearOperator((size, size), matvec=factor.solve, dtype=np.float64)
         start = np.random.default_rng(0).standard_normal(size)
         values, vectors = eigsh(matrix, count, sigma=-SHIFT, OPinv=inverse, v0=start, tol=1e-12)

@@ -62,12 +62,15 @@ class AlikeSmooth:
         With as many vertices each as before.
     noise
         Standard deviation of each, in their unit of length.
+    noisy
+        Whether that is so much of the spacing of its vertices that it harms.
     width
         Deviation of the Gaussian that they are averaged with, in that unit; 0 where they are clean.
     """
 
     meshes: tuple[TriangleMesh, ...]
     noise: tuple[float, ...]
+    noisy: tuple[bool, ...]
     width: float
 
     @property
@@ -75,12 +78,12 @@ class AlikeSmooth:
         """What a user should know of each."""
         if self.width == 0.0:
             return ((),) * len(self.meshes)
+        done = f"averaged over {self.width:.2g} before it is compared"
         return tuple(
-            (
-                f"its vertices are noisy (by about {noise:.2g}), or others are: all are averaged "
-                f"over {self.width:.2g} before they are compared",
-            )
-            for noise in self.noise
+            (f"its vertices are noisy (by about {noise:.2g}), so it is {done}",)
+            if noisy
+            else (f"others are noisy, so it is {done} as they are",)
+            for noise, noisy in zip(self.noise, self.noisy, strict=True)
         )
 
 
@@ -157,11 +160,11 @@ def smoothed_alike(meshes: Sequence[TriangleMesh], unit: float) -> AlikeSmooth:
     noise = np.array([noise_level(mesh) for mesh in meshes])
     shares = noise / spacing
     if counts @ shares < NOISY * counts.sum() and shares.max() < ONE_NOISY:
-        return AlikeSmooth(tuple(meshes), tuple(noise.tolist()), 0.0)
+        return AlikeSmooth(tuple(meshes), tuple(noise.tolist()), (False,) * len(meshes), 0.0)
     width = max(map(_width, noise / unit, spacing / unit)) * unit
     most = np.maximum(width, LARGEST_NOISE * noise)
     smooth = tuple(_averaged_over(*each, width) for each in zip(meshes, most, strict=True))
-    return AlikeSmooth(smooth, tuple(noise.tolist()), width)
+    return AlikeSmooth(smooth, tuple(noise.tolist()), tuple((shares >= NOISY).tolist()), width)
 
 
 def _width(noise: float, spacing: float) -> float:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 from scipy import sparse
-from scipy.sparse.linalg import splu
 
 from sherd.arrays import Floats
 from sherd.mesh.triangle_mesh import TriangleMesh
+from sherd.spectral.factorization import factorized
 from sherd.spectral.operators import stiffness
 
 __all__ = ["diffused"]
@@ -28,8 +28,5 @@ def diffused(mesh: TriangleMesh, values: Floats, width: float) -> Floats:
     areas = np.maximum(mesh.vertex_areas, 1e-12 * mesh.area / mesh.vertex_count)
     laplacian = sparse.diags_array(np.asarray(graph.sum(axis=1)).ravel()) - graph
     system = sparse.csc_array(sparse.diags_array(areas) + 0.5 * width**2 * laplacian)
-    factor = splu(
-        system, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
-    )
-    smooth: Floats = factor.solve(areas[:, None] * values)
+    smooth: Floats = factorized(system).solve(areas[:, None] * values)
     return smooth

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy import sparse
-from scipy.sparse.linalg import splu
 
 from sherd.arrays import Floats, Ints
+from sherd.spectral.factorization import factorized
 from sherd.spectral.heat_kernel import LANES, Factor, Slopes, heat_distances
 from sherd.spectral.intrinsic import IntrinsicTriangulation
 from sherd.threads import over_rows
@@ -77,13 +77,8 @@ def _slopes(triangles: IntrinsicTriangulation) -> Slopes:
 
 
 def _factor(matrix: sparse.csc_array) -> Factor:
-    """L D L' of a symmetric positive definite matrix.
-
-    SuperLU in its symmetric mode takes pivots on the diagonal, so both permutations are one.
-    """
-    factor = splu(
-        matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
-    )
+    """L D L' of a symmetric positive definite matrix."""
+    factor = factorized(matrix)
     if not np.array_equal(factor.perm_r, factor.perm_c):
         raise RuntimeError("pivots off the diagonal")
     lower = sparse.csc_array(sparse.tril(factor.L, -1))
