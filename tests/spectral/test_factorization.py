@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import sparse
 
-from sherd.spectral.factorization import MOST_BY_DEGREE, factorized
+from sherd.spectral.operators import MOST_BY_DEGREE, factorized
 
 
 def _grid(side: int) -> sparse.csc_array:

@@ -17,7 +17,7 @@ from scipy import sparse
 from sherd.arrays import Floats, Ints
 from sherd.energy.convergence import Convergence
 from sherd.energy.quadratic import QuadraticSolution, StructuredQuadratic, certified
-from sherd.spectral.factorization import factorized
+from sherd.spectral.operators import factorized
 
 __all__ = ["active_sets", "interior_point", "solve_structured"]
 

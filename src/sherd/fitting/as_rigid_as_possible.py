@@ -26,7 +26,7 @@ from scipy import sparse
 
 from sherd.arrays import Bools, Floats
 from sherd.mesh.triangle_mesh import TriangleMesh
-from sherd.spectral.factorization import factorized
+from sherd.spectral.operators import factorized
 from sherd.surface.elastic_surface import ElasticSurface, elastic_surface
 from sherd.threads import cached_property
 

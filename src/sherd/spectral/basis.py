@@ -16,8 +16,7 @@ from sherd.limits import require_memory
 from sherd.mesh.geometry import edge_lengths
 from sherd.mesh.topology import renumbered
 from sherd.mesh.triangle_mesh import TriangleMesh
-from sherd.spectral.factorization import factorized
-from sherd.spectral.operators import stiffness
+from sherd.spectral.operators import factorized, stiffness
 from sherd.threads import one_blas_thread
 
 __all__ = ["EigenBasis", "eigenbasis", "robust_operators"]

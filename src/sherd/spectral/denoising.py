@@ -17,7 +17,7 @@ from scipy.sparse.linalg import cg
 from sherd.arrays import Floats
 from sherd.mesh.topology import adjacency
 from sherd.mesh.triangle_mesh import TriangleMesh
-from sherd.spectral.operators import stiffness
+from sherd.spectral.operators import positive_stiffness, stiffness
 
 __all__ = ["AlikeSmooth", "denoised", "noise_level", "smoothed_alike"]
 
@@ -163,7 +163,7 @@ def smoothed_alike(meshes: Sequence[TriangleMesh], unit: float) -> AlikeSmooth:
     shares = noise / spacing
     # as long as any piece has so many; of more than ten alike ones none may
     telling = counts >= min(TELLING * counts.sum(), counts.max())
-    if counts @ shares < NOISY * counts.sum() and shares[telling].max(initial=0.0) < ONE_NOISY:
+    if counts @ shares < NOISY * counts.sum() and shares[telling].max() < ONE_NOISY:
         return AlikeSmooth(tuple(meshes), tuple(noise.tolist()), (False,) * len(meshes), 0.0)
     width = max(map(_width, (noise / unit)[telling], (spacing / unit)[telling])) * unit
     most = np.maximum(width, LARGEST_NOISE * noise)
@@ -197,15 +197,11 @@ def _averaged_over(mesh: TriangleMesh, most: float, width: float) -> TriangleMes
 
 def _flowed_inside(mesh: TriangleMesh, time: float) -> TriangleMesh:
     """One step of mean curvature flow; the border stays."""
-    weights = -stiffness(mesh.vertices, mesh.faces).tocoo()
-    off = weights.row != weights.col
-    held = np.clip(weights.data[off], 0.0, LARGEST_WEIGHT)
-    graph = sparse.coo_array((held, (weights.row[off], weights.col[off])), shape=weights.shape)
     free = np.ones(mesh.vertex_count)
     free[mesh.boundary_vertices] = 0.0
     areas = np.maximum(mesh.vertex_areas, 1e-12 * mesh.area / mesh.vertex_count)
-    laplacian = _laplacian(graph.tocsr())
-    return mesh.with_vertices(_flowed(mesh.vertices, laplacian, areas, free, time))
+    weak = positive_stiffness(mesh.vertices, mesh.faces, most=LARGEST_WEIGHT)
+    return mesh.with_vertices(_flowed(mesh.vertices, weak, areas, free, time))
 
 
 def _flowed_along_the_border(mesh: TriangleMesh, time: float) -> TriangleMesh:
@@ -219,14 +215,10 @@ def _flowed_along_the_border(mesh: TriangleMesh, time: float) -> TriangleMesh:
         np.bincount(first, lengths, minlength=count) + np.bincount(second, lengths, minlength=count)
     )
     free = (masses > 0).astype(np.float64)
-    laplacian = _laplacian((half + half.T).tocsr())
+    graph = half + half.T
+    laplacian = sparse.diags_array(np.asarray(graph.sum(axis=1)).ravel()) - graph
     held = np.where(masses > 0, masses, 1.0)
     return mesh.with_vertices(_flowed(mesh.vertices, laplacian, held, free, time))
-
-
-def _laplacian(weights: sparse.csr_array) -> sparse.csr_array:
-    degree = sparse.diags_array(np.asarray(weights.sum(axis=1)).ravel())
-    return sparse.csr_array(degree - weights)
 
 
 def _flowed(

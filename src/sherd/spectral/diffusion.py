@@ -7,8 +7,7 @@ from scipy import sparse
 
 from sherd.arrays import Floats
 from sherd.mesh.triangle_mesh import TriangleMesh
-from sherd.spectral.factorization import factorized
-from sherd.spectral.operators import stiffness
+from sherd.spectral.operators import factorized, positive_stiffness
 
 __all__ = ["diffused"]
 
@@ -20,13 +19,8 @@ def diffused(mesh: TriangleMesh, values: Floats, width: float) -> Floats:
     length, so two meshings of one surface get the same values. Cotangents below zero are raised to
     zero, which keeps every result between the values that it averages.
     """
-    weak = stiffness(mesh.vertices, mesh.faces).tocoo()
-    off = (weak.row != weak.col) & (weak.data < 0)
-    graph = sparse.coo_array(
-        (-weak.data[off], (weak.row[off], weak.col[off])), shape=weak.shape
-    ).tocsr()
     areas = np.maximum(mesh.vertex_areas, 1e-12 * mesh.area / mesh.vertex_count)
-    laplacian = sparse.diags_array(np.asarray(graph.sum(axis=1)).ravel()) - graph
+    laplacian = positive_stiffness(mesh.vertices, mesh.faces)
     system = sparse.csc_array(sparse.diags_array(areas) + 0.5 * width**2 * laplacian)
     smooth: Floats = factorized(system).solve(areas[:, None] * values)
     return smooth

@@ -8,9 +8,9 @@ import numpy as np
 from scipy import sparse
 
 from sherd.arrays import Floats, Ints
-from sherd.spectral.factorization import factorized
 from sherd.spectral.heat_kernel import LANES, Factor, Slopes, heat_distances
 from sherd.spectral.intrinsic import IntrinsicTriangulation
+from sherd.spectral.operators import factorized
 from sherd.threads import over_rows
 
 __all__ = ["HeatFlow", "heat_flow"]
