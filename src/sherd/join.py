@@ -136,14 +136,14 @@ def join(
     largest = max(kept, key=lambda mesh: mesh.area)
     for mesh in kept:
         _check_sizes(largest, mesh)
-    smooth = smoothed_alike(kept, largest.length)
-    unit = max(mesh.length for mesh in smooth.meshes)
-    whole = _length_of_whole([mesh.area for mesh in smooth.meshes])
     # each may be asked in two units, and a union that asks all others is one more
     describe = lru_cache(maxsize=2 * len(kept) + 1)(described_part)
     with stages("evidence"):
+        smooth = smoothed_alike(kept, largest.length)
+        unit = max(mesh.length for mesh in smooth.meshes)
         evidence = pair_evidence([describe(mesh, unit) for mesh in smooth.meshes], options.seed)
     with stages("growth"):
+        whole = _length_of_whole([mesh.area for mesh in smooth.meshes])
         alone = [Union.of_piece(mesh, number) for number, mesh in enumerate(smooth.meshes)]
         # one body asks all that are left at last
         body = lru_cache(maxsize=1)(partial(Body, seed=options.seed))

@@ -26,7 +26,7 @@ from scipy import sparse
 
 from sherd.arrays import Bools, Floats
 from sherd.mesh.triangle_mesh import TriangleMesh
-from sherd.spectral.operators import factorized
+from sherd.spectral.operators import factorized, graph_laplacian
 from sherd.surface.elastic_surface import ElasticSurface, elastic_surface
 from sherd.threads import cached_property
 
@@ -58,7 +58,7 @@ class Elasticity:
     @cached_property
     def laplacian(self) -> sparse.csr_array:
         """(n, n) matrix of `sum w_ij |x_i - x_j|^2`, each edge once."""
-        return _laplacian(self.springs)
+        return graph_laplacian(self.springs)
 
     def fitted_rotations(self, positions: Floats) -> Floats:
         """The rotation (n, 3, 3) of each vertex that fits its edges best (equation 5)."""
@@ -101,7 +101,7 @@ class Elasticity:
         It takes rotations times sizes (n, 3, 3), targets (n, 3), and positions (n, 3) that parts
         without any pull keep the center of; it returns positions (n, 3).
         """
-        solve = _factorized(self.laplacian + sparse.diags_array(pulls + HOLD))
+        solve = _solver(self.laplacian + sparse.diags_array(pulls + HOLD))
 
         def relaxed(turns: Floats, targets: Floats, start: Floats) -> Floats:
             pulled = self._turned_edges(turns) + pulls[:, None] * targets + HOLD * start
@@ -128,7 +128,7 @@ class Elasticity:
         firm = np.repeat(lengths**2, np.diff(pointers)) + lengths[neighbors] ** 2
         springs = sparse.csr_array((0.5 * weights * firm, neighbors, pointers), self.springs.shape)
         known = self.areas * certainty
-        solve = _factorized(_laplacian(springs) + sparse.diags_array(known + HOLD * self.areas))
+        solve = _solver(graph_laplacian(springs) + sparse.diags_array(known + HOLD * self.areas))
 
         def smoothed(values: Floats, otherwise: Floats) -> Floats:
             return solve(known[:, None] * values + (HOLD * self.areas)[:, None] * otherwise)
@@ -157,7 +157,7 @@ class Elasticity:
         bends = self.laplacian @ sparse.diags_array(1.0 / self.areas) @ self.laplacian
         known = self.areas * firmness
         stiff = self.laplacian + length**2 * bends
-        solve = _factorized((stiff + sparse.diags_array(known + HOLD)).tocsr())
+        solve = _solver((stiff + sparse.diags_array(known + HOLD)).tocsr())
 
         def continued(values: Floats, otherwise: Floats) -> Floats:
             return solve(known[:, None] * values + HOLD * otherwise)
@@ -175,11 +175,6 @@ class Elasticity:
         return total
 
 
-def _laplacian(springs: sparse.csr_array) -> sparse.csr_array:
-    laplacian: sparse.csr_array = (sparse.diags_array(springs.sum(axis=1)) - springs).tocsr()
-    return laplacian
-
-
 def _spread(springs: sparse.csr_array, positions: Floats) -> Floats:
     """Sum over the edges of each vertex of w_ij |x_i - x_j|^2, (n,)."""
     squares = (positions**2).sum(axis=1)
@@ -188,7 +183,7 @@ def _spread(springs: sparse.csr_array, positions: Floats) -> Floats:
     return spread
 
 
-def _factorized(matrix: sparse.csr_array) -> Callable[[Floats], Floats]:
+def _solver(matrix: sparse.csr_array) -> Callable[[Floats], Floats]:
     """Direct solver of a symmetric positive definite problem; many right sides are cheap."""
     factors = factorized(matrix.tocsc())
 

@@ -17,7 +17,7 @@ from scipy.sparse.linalg import cg
 from sherd.arrays import Floats
 from sherd.mesh.topology import adjacency
 from sherd.mesh.triangle_mesh import TriangleMesh
-from sherd.spectral.operators import positive_stiffness, stiffness
+from sherd.spectral.operators import graph_laplacian, positive_stiffness, stiffness
 
 __all__ = ["AlikeSmooth", "denoised", "noise_level", "smoothed_alike"]
 
@@ -215,9 +215,8 @@ def _flowed_along_the_border(mesh: TriangleMesh, time: float) -> TriangleMesh:
         np.bincount(first, lengths, minlength=count) + np.bincount(second, lengths, minlength=count)
     )
     free = (masses > 0).astype(np.float64)
-    graph = half + half.T
-    laplacian = sparse.diags_array(np.asarray(graph.sum(axis=1)).ravel()) - graph
     held = np.where(masses > 0, masses, 1.0)
+    laplacian = graph_laplacian(half + half.T)
     return mesh.with_vertices(_flowed(mesh.vertices, laplacian, held, free, time))
 
 

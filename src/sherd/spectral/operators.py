@@ -20,6 +20,7 @@ __all__ = [
     "corner_cotangents",
     "factorized",
     "gradient",
+    "graph_laplacian",
     "positive_stiffness",
     "stiffness",
     "voronoi_vertex_areas",
@@ -59,9 +60,13 @@ def stiffness(vertices: Floats, faces: Ints) -> sparse.csr_array:
     weights = 0.5 * corner_cotangents(vertices, faces)
     rows, columns = faces[:, [1, 2, 0]].ravel(), faces[:, [2, 0, 1]].ravel()
     half = sparse.coo_array((weights.ravel(), (rows, columns)), shape=(count, count)).tocsr()
-    off_diagonal = half + half.T
-    degree: sparse.dia_array = sparse.diags_array(np.asarray(off_diagonal.sum(axis=1)).ravel())
-    return sparse.csr_array(degree - off_diagonal)
+    return graph_laplacian(half + half.T)
+
+
+def graph_laplacian(weights: sparse.csr_array) -> sparse.csr_array:
+    """Matrix (n, n) of `sum w_ij |x_i - x_j|^2`, each edge once, of symmetric weights (n, n)."""
+    degree: sparse.dia_array = sparse.diags_array(np.asarray(weights.sum(axis=1)).ravel())
+    return sparse.csr_array(degree - weights)
 
 
 def positive_stiffness(vertices: Floats, faces: Ints, *, most: float = np.inf) -> sparse.csr_array:
@@ -77,9 +82,8 @@ def positive_stiffness(vertices: Floats, faces: Ints, *, most: float = np.inf) -
     weak = stiffness(vertices, faces).tocoo()
     off = (weak.row != weak.col) & (weak.data < 0)
     weights = np.minimum(-weak.data[off], most)
-    graph = sparse.coo_array((weights, (weak.row[off], weak.col[off])), shape=weak.shape).tocsr()
-    degree = sparse.diags_array(np.asarray(graph.sum(axis=1)).ravel())
-    return sparse.csr_array(degree - graph)
+    graph = sparse.coo_array((weights, (weak.row[off], weak.col[off])), shape=weak.shape)
+    return graph_laplacian(graph.tocsr())
 
 
 def voronoi_vertex_areas(vertices: Floats, faces: Ints) -> Floats:
