@@ -22,7 +22,7 @@ from sherd.output import Stages
 from sherd.puzzle.growing.across import laid_across
 from sherd.puzzle.growing.asking import Asking
 from sherd.puzzle.growing.belonging import chance_as_a_part
-from sherd.puzzle.growing.growth import grown
+from sherd.puzzle.growing.growth import grow
 from sherd.puzzle.growing.joined_maps import direct_maps
 from sherd.puzzle.growing.record import Growth
 from sherd.puzzle.growing.two_units import QuestionInTwoUnits
@@ -46,15 +46,6 @@ from sherd.threads import one_blas_thread
 __all__ = ["STAGES", "join"]
 
 STAGES = ("evidence", "growth", "synchronization")
-
-# What belongs together overlaps, so pieces have more area than their whole: half as much again, if
-# each reaches half as far again. Right answers of a horse and a cat whose pieces have a third of
-# the whole each have chances of 0.97 to 0.99 in units of the whole, in units of 0.8 of it 0.94 to
-# 0.99, of 1.3 as many, but for what shares little, which is not found.
-COVERED = 1.5
-# And where pieces of several wholes are asked together, none of which is known, one is thought to
-# have no more than so much of the area of the largest piece.
-MOST_OF_LARGEST = 3.0
 
 # What is asked of two unions, as in `Meet`, before it is answered at a glance or in full.
 Ask = Callable[[Union, Union, Ints, Bools | None], QuestionInTwoUnits]
@@ -143,12 +134,13 @@ def join(
         unit = max(mesh.length for mesh in smooth.meshes)
         evidence = pair_evidence([describe(mesh, unit) for mesh in smooth.meshes], options.seed)
     with stages("growth"):
-        whole = _length_of_whole([mesh.area for mesh in smooth.meshes])
-        alone = [Union.of_piece(mesh, number) for number, mesh in enumerate(smooth.meshes)]
+        growth = Growth.begun(
+            [Union.of_piece(mesh, number) for number, mesh in enumerate(smooth.meshes)]
+        )
         # one body asks all that are left at last
         body = lru_cache(maxsize=1)(partial(Body, seed=options.seed))
-        asking = _Asking(partial(_question, options.seed, whole, describe), body, stages)
-        growth = grown(alone, evidence, asking.ways)
+        asking = _Asking(partial(_question, options.seed, growth, describe), body, stages)
+        grow(growth, evidence, asking.ways)
     originals = [intake.original for intake in intakes]
     with stages("synchronization"):
         # of members that told their unions the own answer says more than that of the unions
@@ -215,27 +207,21 @@ def _check_sizes(largest: TriangleMesh, piece: TriangleMesh) -> None:
         )
 
 
-def _length_of_whole(areas: Sequence[float]) -> float:
-    """What sqrt(area) of the whole may be, of which nothing is known but its pieces."""
-    largest = max(areas)
-    return math.sqrt(np.clip(sum(areas) / COVERED, largest, MOST_OF_LARGEST * largest))
-
-
 def _question(
     seed: int,
-    whole: float,
+    growth: Growth,
     describe: Describe,
     first: Union,
     second: Union,
     known: Ints,
     taken: Bools | None,
 ) -> QuestionInTwoUnits:
-    """See :data:`sherd.puzzle.growing.asking.Meet`; `whole` is what sqrt(area) of it may be."""
+    """See :data:`sherd.puzzle.growing.asking.Meet`; who has grown says how large the whole may be."""
 
     def asked_in(unit: float) -> PairQuestion:
         return pair_question(first.mesh, second.mesh, seed, known, taken, describe, unit)
 
-    return QuestionInTwoUnits(first, second, whole, asked_in)
+    return QuestionInTwoUnits(first, second, growth.length_of_whole, asked_in)
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from sherd.arrays import Bools, Ints
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.puzzle.growing import asking, belonging, completion, growth, record
 from sherd.puzzle.growing.asking import Asking
-from sherd.puzzle.growing.growth import grown
+from sherd.puzzle.growing.growth import grow
 from sherd.puzzle.growing.union import Join, Union
 
 SQUARE = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
@@ -104,6 +104,13 @@ def leave_out(
     monkeypatch.setattr(room, "left_out", share)
 
 
+def grown(some: list[Union], evidence: Any, asked: Asking) -> record.Growth:
+    """All that came of it."""
+    found = record.Growth.begun(some)
+    grow(found, evidence, asked)
+    return found
+
+
 def test_a_chain_is_joined_and_what_is_foreign_stays_alone() -> None:
     asked = []
 
@@ -121,7 +128,7 @@ def test_a_chain_is_joined_and_what_is_foreign_stays_alone() -> None:
 
 def test_who_grew_still_lies_beside_whom_a_part_of_it_lay_beside() -> None:
     one, other, third = pieces(3)
-    known = record.Growth([one, other, third], one)
+    known = record.Growth.begun([one, other, third])
     known.together.append((other.members, third.members))
     grew = Union(other.mesh, other.owner, other.places, (1, 7))
     assert known.are_together(third, grew)
@@ -191,7 +198,7 @@ def test_who_lost_a_place_has_lost_it_for_those_who_join_it(monkeypatch) -> None
 def test_a_place_that_follows_from_two_likely_ones_is_as_likely_as_the_less_likely_one() -> None:
     one, other, third = pieces(3)
     grew = Union(other.mesh, other.owner, other.places, (1, 2))
-    known = record.Growth([one, other, third], one)
+    known = record.Growth.begun([one, other, third])
     known.last = [Join(other, third, Answer(0.55)), Join(one, grew, Answer(0.76))]
     assert known.last_chances() == {1: 0.76, 2: 0.55}
 
@@ -545,6 +552,41 @@ def test_strangers_to_the_largest_piece_are_joined_by_much_only(share, groups, m
     monkeypatch.setattr(asking, "common_area", lambda join: share * some[0].mesh.area)
     found = grown(some, np.ones((3, 3)), ways(meet))
     assert sorted(map(sorted, found.groups)) == groups
+
+
+def test_a_larger_piece_of_something_else_hides_nothing(monkeypatch) -> None:
+    """What belongs together is asked as if it were not there, and the last stages, too."""
+    some = [
+        Union.of_piece(TriangleMesh(SQUARE * size, FACES), number)
+        for number, size in enumerate((2.0, 1.9, 9.0, 1.8))
+    ]
+    asked, wholes = [], []
+
+    def meet(first: Union, second: Union, known: Ints, taken: Bools | None) -> Any:
+        wholes.append(begun.length_of_whole)
+        return answer(0.9 if (first.members, second.members) == ((0,), (1,)) else 0.0)
+
+    def across(first: Union, second: Union) -> Any:
+        asked.append(first.members)
+
+    # a tenth of the largest of them, 0.005 of the one that is larger
+    monkeypatch.setattr(asking, "common_area", lambda join: 0.1 * some[0].mesh.area)
+    begun = record.Growth.begun(some)
+    grow(begun, np.ones((4, 4)), ways(meet, across))
+    assert sorted(map(sorted, begun.groups)) == [[0, 1], [2], [3]]
+    assert begun.root is some[0]
+    assert asked == [(0, 1), (0, 1)]
+    alone = record.Growth.begun([some[0], some[1], some[3]]).length_of_whole
+    assert wholes[0] >= 9.0
+    assert wholes[-1] == alone
+
+
+def test_where_nothing_is_sure_the_largest_piece_is_the_root() -> None:
+    def meet(first: Union, second: Union, known: Ints, taken: Bools | None) -> Any:
+        return answer(0.0)
+
+    found = grown(pieces(4), np.ones((4, 4)), ways(meet))
+    assert found.root is found.largest is found.pieces[0]
 
 
 def test_where_unions_find_nothing_their_members_are_asked(monkeypatch) -> None:

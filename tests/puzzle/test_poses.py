@@ -34,7 +34,7 @@ def cut(cut_halves: Callable[[float, float], tuple[Fragment, Fragment]]) -> tupl
 @pytest.fixture(scope="module")
 def joined(alone: list[Union], laid_truly: Callable[[int, int], Join]) -> Growth:
     """Both laid on each other from the truth."""
-    return Growth(alone, alone[0], joins=[laid_truly(0, 1)])
+    return Growth(alone, alone[0], alone[0], joins=[laid_truly(0, 1)])
 
 
 @pytest.fixture(scope="module")
@@ -89,7 +89,7 @@ def test_the_trunk_of_the_front_is_bent_as_the_rear_has_it(cut, near, posed) -> 
 
 
 def test_a_member_of_which_nothing_is_left_gives_no_pose(joined, union) -> None:
-    gone = Growth([*joined.pieces, joined.pieces[0]], joined.largest)
+    gone = Growth([*joined.pieces, joined.pieces[0]], joined.largest, joined.root)
     surface = described_part(union.mesh, union.mesh.length)
     assert in_pose_of(replace(union, members=(0, 1, 2)), surface, 2, gone) is None
 
@@ -150,7 +150,7 @@ def asked(monkeypatch: pytest.MonkeyPatch) -> Asked:
 def test_what_looks_likely_at_a_glance_is_asked_and_nobody_twice(joined, asked) -> None:
     pieces = [Union.of_piece(joined.pieces[0].mesh, number) for number in range(4)]
     small = [replace(each, mesh=joined.pieces[1].mesh) for each in pieces]
-    growth, evidence = Growth(pieces, pieces[0]), np.ones((4, 4))
+    growth, evidence = Growth.begun(pieces), np.ones((4, 4))
     asked.chances = {2: 0.1, 3: 0.9}
     here = replace(pieces[0], members=(0, 1))
     assert asked.of(here, small[2:], evidence, growth)
@@ -167,7 +167,7 @@ def test_what_is_likely_in_one_of_many_poses_only_is_not(joined, asked) -> None:
     pieces = [Union.of_piece(joined.pieces[0].mesh, number) for number in range(5)]
     last = replace(pieces[-1], mesh=joined.pieces[1].mesh)
     asked.chances = {4: 0.7}
-    growth = Growth(pieces, pieces[0])
+    growth = Growth.begun(pieces)
     # in each pose it is as likely, so it is asked in all of them, and the group's own is the fourth
     here = replace(pieces[0], members=(0, 1, 2, 3))
     assert not asked.of(here, [last], np.ones((5, 5)), growth)
@@ -183,7 +183,7 @@ def test_poses_that_are_alike_are_asked_once(joined, asked) -> None:
     # the first member has the union's own pose, the last two have one
     asked.larger = {1: 0.001, 2: 0.2, 3: 0.201}
     here = replace(pieces[0], members=(0, 1, 2, 3))
-    asked.of(here, [last], np.ones((5, 5)), Growth(pieces, pieces[0]))
+    asked.of(here, [last], np.ones((5, 5)), Growth.begun(pieces))
     assert asked.glances == [(2, 4)]
 
 
@@ -194,5 +194,5 @@ def test_poses_are_those_of_which_evidence_says_most(joined, asked) -> None:
     evidence = np.add.outer(np.arange(count + 1.0), np.arange(count + 1.0))
     asked.chances = {count: 0.1}
     here = replace(pieces[0], members=tuple(range(count)))
-    asked.of(here, [last], evidence, Growth(pieces, pieces[0]))
+    asked.of(here, [last], evidence, Growth.begun(pieces))
     assert sorted(asked.glances) == [(count - poses.POSES + k, count) for k in range(poses.POSES)]

@@ -22,8 +22,9 @@ from sherd.puzzle.pairwise.meeting import NOTHING_KNOWN
 
 __all__ = ["Asking", "Meet", "against", "asked", "common_area", "unless_strangers"]
 
-# Two that are both strangers to the largest piece share more than this of its area, or are not
-# believed: no larger union will see it again. A man's limb on a part of a cat, neither of which the
+# Two that are both strangers to the largest piece share more than this of its area (of that from
+# which the first group grows, if nobody belongs to it), or are not believed: no larger union will
+# see it again. A man's limb on a part of a cat, neither of which the
 # man's others knew, had 0.91 by all that is seen (0.96 in the unit of the largest piece), with a
 # common area of 0.04; the three right joins of such pairs, of a cat and a wolf, have 0.10, 0.21 and
 # 0.25. Half way by ratio.
@@ -88,7 +89,7 @@ def unless_strangers(join: Join, growth: Growth) -> Join:
     What was kept in mind of it is forgotten.
     """
     known = growth.largest.members[0] in (*join.first.members, *join.second.members)
-    if known or common_area(join) >= BESIDE * growth.largest.mesh.area:
+    if known or common_area(join) >= BESIDE * growth.root.mesh.area:
         return join
     growth.forget(join)
     return join.with_chance(LEAST)

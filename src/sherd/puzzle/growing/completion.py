@@ -24,7 +24,7 @@ from sherd.puzzle.growing.record import (
     odds_beside,
     undisputed,
 )
-from sherd.puzzle.growing.union import Join, Union, larger_first, largest_first, united
+from sherd.puzzle.growing.union import Join, Union, larger_first, main_group_first, united
 from sherd.puzzle.pairwise.answer import JOINED, LIKELY
 from sherd.puzzle.pairwise.join_chance import fills_a_gap
 
@@ -93,7 +93,7 @@ def with_twins(groups: Sequence[Union], asking: Asking, growth: Growth) -> list[
     """
     found = list(groups)
     while True:
-        largest, *others = largest_first(found)
+        largest, *others = main_group_first(found)
         if len(largest.members) == 1:
             return found
         others = [

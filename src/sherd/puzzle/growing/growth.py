@@ -29,11 +29,18 @@ from sherd.puzzle.growing.record import (
     odds_beside,
     odds_of,
 )
-from sherd.puzzle.growing.union import Join, Union, larger_first, largest_first, united
+from sherd.puzzle.growing.union import (
+    Join,
+    Union,
+    larger_first,
+    largest_first,
+    main_group_first,
+    united,
+)
 from sherd.puzzle.pairwise.answer import JOINED, LIKELY
 from sherd.puzzle.pairwise.meeting import NOTHING_KNOWN
 
-__all__ = ["grown"]
+__all__ = ["grow"]
 
 # A union asks so many others, those that cheap evidence ranks first. So seven pieces ask all, and
 # of a dozen that belong together each is asked two or three times.
@@ -51,20 +58,21 @@ DECIDED = 3.0
 LOOP = 0.06
 
 
-def grown(pieces: Sequence[Union], evidence: Floats, asking: Asking) -> Growth:
+def grow(growth: Growth, evidence: Floats, asking: Asking) -> None:
     """Join what belongs together.
 
     Parameters
     ----------
-    pieces
-        One piece each, numbered as they stand here.
+    growth
+        Begun: one piece each, numbered as they stand there. All that is asked and joined is noted.
     evidence
         (k, k) symmetric, how much speaks for asking two pieces.
     asking
         How two of them, or two unions, are asked.
     """
-    growth = Growth(pieces, largest_first(pieces)[0])
-    found = _with_sure(pieces, evidence, asking, growth)
+    found = _with_sure(growth.pieces, evidence, asking, growth)
+    if not growth.joins:
+        growth.root = growth.largest
     while True:
         count = len(growth.joins)
         found = with_likely(found, asking, growth)
@@ -76,12 +84,11 @@ def grown(pieces: Sequence[Union], evidence: Floats, asking: Asking) -> Growth:
             break
         found = _with_what_follows(found, evidence, asking, growth)
     _name_groups(found, asking, growth)
-    return growth
 
 
 def _name_groups(found: Sequence[Union], asking: Asking, growth: Growth) -> None:
     """The members of all groups; who belongs to the largest, wherever it lies, is named there."""
-    largest, *others = largest_first(found)
+    largest, *others = main_group_first(found)
     belong = belonging(largest, others, asking, growth)
     growth.unplaced = [member for union in belong for member in union.members]
     growth.groups = [
@@ -112,6 +119,8 @@ def _with_sure(
     done: list[Union] = []
     while growing:
         here, *growing = largest_first(growing)
+        if not growth.joins:
+            growth.root = here
         others = [*growing, *done]
         # what members said already is sure, so the union need not be asked
         partner = _by_members(here, others, evidence, asking, growth)

@@ -22,7 +22,7 @@ from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.puzzle.growing.asking import Asking, Meet, asked, unless_strangers
 from sherd.puzzle.growing.members import carried
 from sherd.puzzle.growing.record import Growth, chance_at
-from sherd.puzzle.growing.union import LAYER, Union, floating, larger_first, largest_first, named_at
+from sherd.puzzle.growing.union import LAYER, Union, floating, larger_first, main_group_first, named_at
 from sherd.puzzle.pairwise.answer import Ground, Meeting, ground_of
 from sherd.surface.described import DescribedSurface
 from sherd.surface.prepared import described_part
@@ -47,7 +47,7 @@ def ask_in_poses(groups: Sequence[Union], evidence: Floats, asking: Asking, grow
     grown: who joined it hardly changes what is seen at other joints.
     """
     likely = False
-    largest, *others = largest_first(groups)
+    largest, *others = main_group_first(groups)
     bent = _in_poses(largest, _unasked(largest, others, evidence, growth), growth)
     for posed, waiting in bent:
         for other in waiting:

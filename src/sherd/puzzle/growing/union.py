@@ -37,6 +37,7 @@ __all__ = [
     "floating",
     "larger_first",
     "largest_first",
+    "main_group_first",
     "named_at",
     "origins",
     "repaired",
@@ -115,6 +116,14 @@ def larger_first(one: Union, other: Union) -> tuple[Union, Union]:
 def largest_first(unions: Sequence[Union]) -> list[Union]:
     """All of them by their area; of alike ones the first stays before."""
     return sorted(unions, key=lambda union: -union.mesh.area)
+
+
+def main_group_first(unions: Sequence[Union]) -> list[Union]:
+    """All of them by their area, but single pieces after those of several.
+
+    A piece of another thing may be larger than a group, and is no group.
+    """
+    return sorted(unions, key=lambda union: (len(union.members) == 1, -union.mesh.area))
 
 
 def united(join: Join) -> Union:
