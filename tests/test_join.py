@@ -115,6 +115,18 @@ def test_another_unit_is_refused_with_the_factor(pieces) -> None:
         sherd.join([pieces[0].mesh, small])
 
 
+def test_one_piece_of_another_unit_is_alone_and_the_others_are_joined(pieces, bottle) -> None:
+    own = [piece.mesh for piece in pieces]
+    far = bottle.with_vertices(bottle.vertices * 1000)
+    found = sherd.join([own[0], far, own[1]])
+    assert found.groups == ((0, 2), (1,))
+    assert set(found.maps) == {(0, 2), (2, 0)}
+    assert [pair.asked for pair in found.pairs] == [True, False, False]
+    assert [len(said) for said in found.notices] == [0, 1, 0]
+    assert "was not compared" in found.notices[1][0]
+    assert "multiply the vertices of bottle by" in found.notices[1][0]
+
+
 def test_what_is_only_likely_is_said_to_be_so(answer: Joined, tmp_path: Path) -> None:
     doubted = replace(answer, groups=((0, 1, 2),), likely={2: 0.6})
     document = sherd.write_report(doubted, tmp_path)

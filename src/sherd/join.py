@@ -15,7 +15,7 @@ import numpy as np
 from sherd.arrays import Bools, Ints
 from sherd.correspondence.shared.hints import kept_shape
 from sherd.errors import InfeasibleError, InputError, OptionError
-from sherd.mesh.sizes import SMALLEST_PART, check_areas
+from sherd.mesh.sizes import check_areas, most_of_one_scale
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.mesh.units import units_of_two
 from sherd.output import Stages
@@ -86,7 +86,8 @@ def join(
     InputError
         If there are fewer than two pieces.
     InfeasibleError
-        If a piece is a dot beside the largest.
+        If pieces are dots beside others, and half of them or more, so that they have no one unit;
+        of fewer it is said in :attr:`Joined.notices`, and they are alone.
     MeshFileError, InvalidMeshError
         If a piece cannot be read or is no mesh.
 
@@ -124,18 +125,23 @@ def join(
     kept = [
         kept_shape(intake, (), name=f"piece {number}").mesh for number, intake in enumerate(intakes)
     ]
-    largest = max(kept, key=lambda mesh: mesh.area)
-    for mesh in kept:
-        _check_sizes(largest, mesh)
+    check_areas(*kept)
+    numbers = _of_one_scale(kept)
     # each may be asked in two units, and a union that asks all others is one more
-    describe = lru_cache(maxsize=2 * len(kept) + 1)(described_part)
+    describe = lru_cache(maxsize=2 * len(numbers) + 1)(described_part)
     with stages("evidence"):
-        smooth = smoothed_alike(kept, largest.length)
+        smooth = smoothed_alike([kept[k] for k in numbers], max(kept[k].length for k in numbers))
         unit = max(mesh.length for mesh in smooth.meshes)
-        evidence = pair_evidence([describe(mesh, unit) for mesh in smooth.meshes], options.seed)
+        evidence = np.zeros((len(kept), len(kept)))
+        evidence[np.ix_(numbers, numbers)] = pair_evidence(
+            [describe(mesh, unit) for mesh in smooth.meshes], options.seed
+        )
     with stages("growth"):
         growth = Growth.begun(
-            [Union.of_piece(mesh, number) for number, mesh in enumerate(smooth.meshes)]
+            [
+                Union.of_piece(mesh, number)
+                for number, mesh in zip(numbers, smooth.meshes, strict=True)
+            ]
         )
         # one body asks all that are left at last
         body = lru_cache(maxsize=1)(partial(Body, seed=options.seed))
@@ -151,9 +157,10 @@ def join(
             cycle_error(originals, maps, unit),
         )
     chances = _chances(growth)
+    said = {**_of_another_scale(kept, numbers), **dict(zip(numbers, smooth.notices, strict=True))}
     return Joined(
         pieces=tuple(originals),
-        groups=_groups(growth),
+        groups=_groups(growth, len(kept)),
         pairs=tuple(
             sorted(
                 (
@@ -176,7 +183,7 @@ def join(
         timings=MappingProxyType(dict(stages.seconds)),
         options=options,
         notices=tuple(
-            (*intake.notices, *said) for intake, said in zip(intakes, smooth.notices, strict=True)
+            (*intake.notices, *said.get(number, ())) for number, intake in enumerate(intakes)
         ),
         likely=MappingProxyType(growth.last_chances()),
         sure=len(growth.joins) > len(growth.last),
@@ -195,16 +202,39 @@ def _refuse_needless(options: AssembleOptions) -> None:
             )
 
 
-def _check_sizes(largest: TriangleMesh, piece: TriangleMesh) -> None:
-    """Refuse a piece that is a dot beside the largest, or has no area."""
-    check_areas(largest, piece)
-    ratio = piece.area / largest.area
-    if ratio <= SMALLEST_PART:
-        proposal = units_of_two(piece.name, largest.name, math.sqrt(ratio))
-        raise InfeasibleError(
-            f"{piece.name} has {ratio:.4g} times the area of {largest.name}, so nothing can be "
-            f"found; {proposal or 'are the two in different units?'}"
-        )
+def _of_one_scale(pieces: Sequence[TriangleMesh]) -> tuple[int, ...]:
+    """The numbers of most pieces, none of which is a dot beside another one of them.
+
+    Raises
+    ------
+    InfeasibleError
+        If these are no more than half of all, so nobody knows who has another unit.
+    """
+    numbers = most_of_one_scale([mesh.area for mesh in pieces])
+    if 2 * len(numbers) <= len(pieces):
+        smallest, *_, largest = sorted(pieces, key=lambda mesh: mesh.area)
+        raise InfeasibleError(f"{_beside(smallest, largest)}, so nothing can be found")
+    return numbers
+
+
+def _of_another_scale(
+    pieces: Sequence[TriangleMesh], numbers: Sequence[int]
+) -> dict[int, tuple[str]]:
+    """What is said of those that were not asked, by number."""
+    largest = max((pieces[k] for k in numbers), key=lambda mesh: mesh.area)
+    return {
+        number: (f"{_beside(mesh, largest)}, so it was not compared with the others",)
+        for number, mesh in enumerate(pieces)
+        if number not in numbers
+    }
+
+
+def _beside(piece: TriangleMesh, other: TriangleMesh) -> str:
+    """How much larger or smaller one is, and which units would explain that."""
+    ratio = piece.area / other.area
+    proposal = units_of_two(piece.name, other.name, math.sqrt(ratio))
+    said = f"{piece.name} has {ratio:.4g} times the area of {other.name}"
+    return f"{said} ({proposal or 'are the two in different units?'})"
 
 
 def _question(
@@ -298,6 +328,8 @@ def _shared(found: PieceMap) -> SharedMap:
     )
 
 
-def _groups(growth: Growth) -> tuple[tuple[int, ...], ...]:
+def _groups(growth: Growth, count: int) -> tuple[tuple[int, ...], ...]:
+    """Those that grew, and each of so many pieces that was not asked alone."""
     groups = [tuple(sorted(group)) for group in growth.groups]
+    groups += [(number,) for number in range(count) if number not in growth.pieces]
     return tuple(sorted(groups, key=lambda group: (-len(group), group)))

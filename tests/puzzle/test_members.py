@@ -92,7 +92,7 @@ def test_a_union_is_told_what_its_member_knows(cut, alone, halves, leg) -> None:
 
 def test_where_a_member_is_sure_the_union_is_joined_there(cut, alone, halves, leg) -> None:
     union, asked = united(halves), []
-    growth = Growth(alone, alone[0], alone[0], joins=[halves])
+    growth = replace(Growth.begun(alone), joins=[halves])
 
     def meet(first: Union, second: Union, known: Ints, taken: Bools | None) -> Any:
         asked.append((first.members, second.members))
@@ -145,7 +145,7 @@ def test_what_lies_within_fills_no_gap(leg) -> None:
 def test_what_a_union_said_is_laid_on_one_that_has_it(cut, alone, halves, leg) -> None:
     """The leg on the rear alone, and then on the front and the rear; both of one union."""
     union = united(halves)
-    growth = Growth(alone, alone[0], alone[0], joins=[halves])
+    growth = replace(Growth.begun(alone), joins=[halves])
     asking = Asking(laid, laid, laid, no_twins, no_part, no_image)
     first = laid_as_before(leg, union, alone[2], asking, growth)
     assert first is not None
@@ -196,7 +196,7 @@ def test_what_evidence_ranks_last_is_not_asked(alone) -> None:
 
 def test_a_union_that_does_not_lie_there_is_not_joined(alone, leg, monkeypatch) -> None:
     union = replace(alone[1], members=(1, 0))
-    growth = Growth(alone, alone[0], alone[0], sure_of_members=[leg])
+    growth = replace(Growth.begun(alone), sure_of_members=[leg])
     asking = Asking(laid, laid, lambda *_: leg.met, no_twins, no_part, no_image)
 
     def found() -> Join | None:

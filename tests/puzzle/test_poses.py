@@ -34,7 +34,7 @@ def cut(cut_halves: Callable[[float, float], tuple[Fragment, Fragment]]) -> tupl
 @pytest.fixture(scope="module")
 def joined(alone: list[Union], laid_truly: Callable[[int, int], Join]) -> Growth:
     """Both laid on each other from the truth."""
-    return Growth(alone, alone[0], alone[0], joins=[laid_truly(0, 1)])
+    return replace(Growth.begun(alone), joins=[laid_truly(0, 1)])
 
 
 @pytest.fixture(scope="module")
@@ -89,7 +89,7 @@ def test_the_trunk_of_the_front_is_bent_as_the_rear_has_it(cut, near, posed) -> 
 
 
 def test_a_member_of_which_nothing_is_left_gives_no_pose(joined, union) -> None:
-    gone = Growth([*joined.pieces, joined.pieces[0]], joined.largest, joined.root)
+    gone = replace(joined, pieces={**joined.pieces, 2: joined.pieces[0]}, joins=[])
     surface = described_part(union.mesh, union.mesh.length)
     assert in_pose_of(replace(union, members=(0, 1, 2)), surface, 2, gone) is None
 

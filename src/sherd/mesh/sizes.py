@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from sherd.errors import InfeasibleError
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.mesh.units import unit_proposal
 
-__all__ = ["LARGEST_PART", "SMALLEST_PART", "check_areas", "check_sizes"]
+__all__ = ["LARGEST_PART", "SMALLEST_PART", "check_areas", "check_sizes", "most_of_one_scale"]
 
 # In area. A part is not larger than the whole, but skin stretches with the pose, by some percent
 # over a body, and individuals differ: of bodies brought to the same height, areas by a fifth. What
@@ -75,3 +77,21 @@ def check_sizes(
         said += ", too little to be found there; are the two in different units?"
     proposal = unit_proposal(np.sqrt(ratio), options=options) if factor == 1.0 else ""
     raise InfeasibleError(f"{said} T{proposal[1:]}" if proposal else said)
+
+
+def most_of_one_scale(areas: Sequence[float]) -> tuple[int, ...]:
+    """The most of some shapes of which none is a dot beside another one; by number, in order.
+
+    If there are several such choices, that of the largest shapes.
+
+    Examples
+    --------
+    >>> most_of_one_scale([2.0, 3e6, 1.0])
+    (0, 2)
+    """
+    falling = sorted(range(len(areas)), key=lambda number: -areas[number])
+    choices = (
+        [other for other in falling[first:] if areas[other] > SMALLEST_PART * areas[number]]
+        for first, number in enumerate(falling)
+    )
+    return tuple(sorted(max(choices, key=len, default=[])))

@@ -64,13 +64,13 @@ def grow(growth: Growth, evidence: Floats, asking: Asking) -> None:
     Parameters
     ----------
     growth
-        Begun: one piece each, numbered as they stand there. All that is asked and joined is noted.
+        Begun, of single pieces. All that is asked and joined is noted.
     evidence
-        (k, k) symmetric, how much speaks for asking two pieces.
+        (k, k) symmetric, by their numbers, how much speaks for asking two pieces.
     asking
         How two of them, or two unions, are asked.
     """
-    found = _with_sure(growth.pieces, evidence, asking, growth)
+    found = _with_sure([*growth.pieces.values()], evidence, asking, growth)
     if not growth.joins:
         growth.root = growth.largest
     while True:

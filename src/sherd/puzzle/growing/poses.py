@@ -22,7 +22,14 @@ from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.puzzle.growing.asking import Asking, Meet, asked, unless_strangers
 from sherd.puzzle.growing.members import carried
 from sherd.puzzle.growing.record import Growth, chance_at
-from sherd.puzzle.growing.union import LAYER, Union, floating, larger_first, main_group_first, named_at
+from sherd.puzzle.growing.union import (
+    LAYER,
+    Union,
+    floating,
+    larger_first,
+    main_group_first,
+    named_at,
+)
 from sherd.puzzle.pairwise.answer import Ground, Meeting, ground_of
 from sherd.surface.described import DescribedSurface
 from sherd.surface.prepared import described_part

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import combinations
 
@@ -57,7 +57,7 @@ class Growth:
     Attributes
     ----------
     pieces
-        All of them, as they are.
+        By their numbers, as they are.
     largest
         The largest piece.
     root
@@ -109,7 +109,7 @@ class Growth:
         What has a disputed place, and the members of who does not lie there.
     """
 
-    pieces: Sequence[Union]
+    pieces: Mapping[int, Union]
     largest: Union
     root: Union
     joins: list[Join] = field(default_factory=list)
@@ -139,7 +139,7 @@ class Growth:
     def begun(cls, pieces: Sequence[Union]) -> Growth:
         """Before anything is asked."""
         largest = largest_first(pieces)[0]
-        return cls(pieces, largest, largest)
+        return cls({each.members[0]: each for each in pieces}, largest, largest)
 
     @property
     def length_of_whole(self) -> float:
@@ -148,7 +148,7 @@ class Growth:
         Of that nothing is known but its pieces, and what is larger than its root is none of them.
         """
         largest = self.root.mesh.area
-        areas = [each.mesh.area for each in self.pieces if each.mesh.area <= largest]
+        areas = [each.mesh.area for each in self.pieces.values() if each.mesh.area <= largest]
         return math.sqrt(np.clip(sum(areas) / COVERED, largest, MOST_OF_LARGEST * largest))
 
     def promise(self, here: Union, other: Union) -> float:
