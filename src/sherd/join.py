@@ -246,7 +246,7 @@ def _question(
     known: Ints,
     taken: Bools | None,
 ) -> QuestionInTwoUnits:
-    """See :data:`sherd.puzzle.growing.asking.Meet`; who has grown says how large the whole may be."""
+    """See :data:`sherd.puzzle.growing.asking.Meet`; what grew says how large the whole is."""
 
     def asked_in(unit: float) -> PairQuestion:
         return pair_question(first.mesh, second.mesh, seed, known, taken, describe, unit)

@@ -90,8 +90,8 @@ def most_of_one_scale(areas: Sequence[float]) -> tuple[int, ...]:
     (0, 2)
     """
     falling = sorted(range(len(areas)), key=lambda number: -areas[number])
-    choices = (
-        [other for other in falling[first:] if areas[other] > SMALLEST_PART * areas[number]]
-        for first, number in enumerate(falling)
-    )
-    return tuple(sorted(max(choices, key=len, default=[])))
+    best: list[int] = []
+    for first, number in enumerate(falling):
+        here = [each for each in falling[first:] if areas[each] > SMALLEST_PART * areas[number]]
+        best = max(best, here, key=len)
+    return tuple(sorted(best))
