@@ -24,10 +24,9 @@ __all__ = ["Asking", "Meet", "against", "asked", "common_area", "unless_stranger
 
 # Two that are both strangers to the largest piece share more than this of its area (of that from
 # which the first group grows, if nobody belongs to it), or are not believed: no larger union will
-# see it again. A man's limb on a part of a cat, neither of which the
-# man's others knew, had 0.91 by all that is seen (0.96 in the unit of the largest piece), with a
-# common area of 0.04; the three right joins of such pairs, of a cat and a wolf, have 0.10, 0.21 and
-# 0.25. Half way by ratio.
+# see it again. A man's limb on a part of a cat, neither of which the man's others knew, had 0.91 by
+# all that is seen (0.96 in the unit of the largest piece), with a common area of 0.04; the three
+# right joins of such pairs, of a cat and a wolf, have 0.10, 0.21 and 0.25. Half way by ratio.
 BESIDE = 0.065
 
 # The larger union, the other one, pairs (p, 2) of vertices that lie on each other, and the vertices
