@@ -14,6 +14,7 @@ import sherd
 from sherd.cli.assembling import joined_summary
 from sherd.errors import InfeasibleError, InputError, InvalidMeshError, OptionError
 from sherd.mesh.triangle_mesh import TriangleMesh
+from sherd.report.puzzle.joined_report import joined_report
 from sherd.report.stored.folder import folder_problems
 from sherd.report.stored.stored_exhibit import read_exhibit
 from sherd.results.puzzle.joined import Joined
@@ -125,6 +126,11 @@ def test_one_piece_of_another_unit_is_alone_and_the_others_are_joined(pieces, bo
     assert [len(said) for said in found.notices] == [0, 1, 0]
     assert "was not compared" in found.notices[1][0]
     assert "multiply the vertices of bottle by" in found.notices[1][0]
+    exhibit = joined_report(found).exhibit
+    assert exhibit.unit_of is own[1]
+    assert np.ptp(exhibit.part.vertices, axis=0).max() < 10 * own[1].length
+    assert any("1 bottle is drawn as large as the others" in said for said in exhibit.summary)
+    assert any("was not compared" in said for said in exhibit.summary)
 
 
 def test_what_is_only_likely_is_said_to_be_so(answer: Joined, tmp_path: Path) -> None:

@@ -18,7 +18,7 @@ from sherd.report.frame import Content, Report, mesh_facts
 from sherd.report.known_layers import known_layer
 from sherd.report.puzzle.assembly_report import piece_file
 from sherd.report.puzzle.piece_colors import piece_palette
-from sherd.report.puzzle.piece_row import ShownPiece, piece_row
+from sherd.report.puzzle.piece_row import ShownPiece, piece_row, resized_by
 from sherd.report.stored.folder import JOINED_FORMAT
 from sherd.results.puzzle.joined import Joined
 
@@ -84,7 +84,8 @@ def joined_exhibit(
     partners: Sequence[Partners],
 ) -> Exhibit:
     """The pieces in rows, twice: a point on one side shows its surest partner on the other."""
-    row = piece_row(pieces[0], [ShownPiece(piece, None) for piece in pieces])
+    reference = _reference(pieces, groups)
+    row = piece_row(pieces[0], [ShownPiece(piece, None) for piece in pieces], reference.length)
     group_of = np.empty(len(pieces), dtype=np.int64)
     for number, group in enumerate(groups):
         group_of[list(group)] = number
@@ -110,8 +111,14 @@ def joined_exhibit(
         names=("Pieces", "Pieces again"),
         part_stands=True,
         part_numbers=row.numbers,
-        unit_of=max(pieces, key=lambda piece: piece.area),
+        unit_of=reference,
     )
+
+
+def _reference(pieces: Sequence[TriangleMesh], groups: Sequence[Sequence[int]]) -> TriangleMesh:
+    """The largest piece that belongs to another one; of all, if none does."""
+    together = [pieces[number] for group in groups if len(group) > 1 for number in group]
+    return max(together or pieces, key=lambda piece: piece.area)
 
 
 def _surest(pieces: Sequence[TriangleMesh], partners: Sequence[Partners]) -> Partner:
@@ -243,6 +250,17 @@ def _sentences(result: Joined) -> tuple[str, ...]:
     count = len(result.groups)
     said = [f"{len(result.pieces)} pieces form {count} group{'s' * (count > 1)}."]
     said.append(f"{asked} of {len(result.pairs)} pairs were asked.")
+    reference = _reference(result.pieces, result.groups).length
+    said += [
+        f"{number} {piece.name} is drawn as large as the others, as it is {by:.3g} times as wide."
+        for number, piece in enumerate(result.pieces)
+        if (by := 1 / resized_by(piece, reference)) != 1
+    ]
+    said += [
+        f"{number} {result.pieces[number].name}: {text}."
+        for number, texts in enumerate(result.notices)
+        for text in texts
+    ]
     said += [_likely_words(result, number) for number in result.likely]
     said += [
         f"{number} {result.pieces[number].name} belongs to its group, but where it lies is not "

@@ -13,10 +13,13 @@ from sherd.drawing.camera import best_view, upward
 from sherd.drawing.exhibit import Exhibit, Partner
 from sherd.mesh.triangle_mesh import TriangleMesh
 
-__all__ = ["PieceRow", "ShownPiece", "piece_row"]
+__all__ = ["PieceRow", "ShownPiece", "piece_row", "resized_by"]
 
 # Between neighbors, as a share of the largest extent of a piece.
 SPACE = 0.12
+# In lengths, beside the reference. What is smaller is not seen, and beside what is larger others
+# are not: a row is three or four pieces wide. It has another unit, or is of something else.
+SMALLEST, LARGEST = 0.02, 4.0
 # Rows are broken so that all together are about as wide as high times this: half a page.
 ASPECT = 1.2
 
@@ -48,10 +51,26 @@ class PieceRow:
     numbers: Ints
 
 
-def piece_row(full: TriangleMesh, pieces: Sequence[ShownPiece]) -> PieceRow:
-    """Lay the pieces out beside each other, in the order given, as one looks at the full shape."""
+def resized_by(piece: TriangleMesh, reference: float) -> float:
+    """By what a piece is drawn larger; mostly 1.
+
+    What would hide others, or not be seen, is as large as the reference; both in sqrt(area).
+    """
+    fits = SMALLEST * reference <= piece.length <= LARGEST * reference
+    return 1.0 if fits else reference / piece.length
+
+
+def piece_row(
+    full: TriangleMesh, pieces: Sequence[ShownPiece], reference: float | None = None
+) -> PieceRow:
+    """Lay the pieces out beside each other, in the order given, as one looks at the full shape.
+
+    In their sizes, but for those that cannot be seen beside the reference (sqrt(area); the full
+    shape if None), see :func:`resized_by`.
+    """
+    reference = full.length if reference is None else reference
     view = best_view(full, np.ones(full.vertex_count, dtype=bool), upward(full)).rotation
-    seen = [_turned(full, piece) @ view.T for piece in pieces]
+    seen = [_turned(full, piece) @ view.T * resized_by(piece.mesh, reference) for piece in pieces]
     low = [points.min(axis=0) for points in seen]
     size = np.array([points.max(axis=0) - least for points, least in zip(seen, low, strict=True)])
     space = SPACE * float(size.max())
