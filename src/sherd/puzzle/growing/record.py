@@ -58,8 +58,6 @@ class Growth:
     ----------
     pieces
         By their numbers, as they are.
-    largest
-        The largest piece.
     root
         The piece from which the first group grows: the largest, or the next one if that was asked
         and surely belongs to nobody. A piece of a horse may be larger than a wolf.
@@ -110,7 +108,6 @@ class Growth:
     """
 
     pieces: Mapping[int, Union]
-    largest: Union
     root: Union
     joins: list[Join] = field(default_factory=list)
     last: list[Join] = field(default_factory=list)
@@ -138,8 +135,12 @@ class Growth:
     @classmethod
     def begun(cls, pieces: Sequence[Union]) -> Growth:
         """Before anything is asked."""
-        largest = largest_first(pieces)[0]
-        return cls({each.members[0]: each for each in pieces}, largest, largest)
+        return cls({each.members[0]: each for each in pieces}, largest_first(pieces)[0])
+
+    @property
+    def largest(self) -> Union:
+        """The largest piece."""
+        return largest_first([*self.pieces.values()])[0]
 
     @property
     def length_of_whole(self) -> float:

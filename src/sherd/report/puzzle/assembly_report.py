@@ -14,7 +14,7 @@ from sherd.report.files import painted_ply, table_csv
 from sherd.report.frame import Content, Report, mesh_facts
 from sherd.report.match_report import correspondence_csv
 from sherd.report.puzzle.assembly_scene import AssemblyScene
-from sherd.report.puzzle.piece_row import ShownPiece, resized_by
+from sherd.report.puzzle.piece_row import ShownPiece, resized
 from sherd.report.stored.folder import ASSEMBLY_FORMAT
 from sherd.results.puzzle.assembly import Assembly, PieceAnswer
 from sherd.results.status import Status
@@ -177,9 +177,8 @@ def _sentences(result: Assembly) -> tuple[str, ...]:
         for k in result.refused
     ]
     said += [
-        f"Piece {k} is drawn as large as the full shape, as it is {by:.3g} times as wide."
-        for k, piece in enumerate(result.pieces)
-        if (by := 1 / resized_by(piece.part, result.full.length)) != 1
+        f"Piece {k} is drawn as large as the full shape, as it is {times:.3g} times as wide."
+        for k, times in resized([piece.part for piece in result.pieces], result.full.length).items()
     ]
     said += [
         f"The gap at vertex {gap.vertex} has {100 * gap.area / result.full.area:.1f} % of the area."

@@ -18,7 +18,7 @@ from sherd.report.frame import Content, Report, mesh_facts
 from sherd.report.known_layers import known_layer
 from sherd.report.puzzle.assembly_report import piece_file
 from sherd.report.puzzle.piece_colors import piece_palette
-from sherd.report.puzzle.piece_row import ShownPiece, piece_row, resized_by
+from sherd.report.puzzle.piece_row import ShownPiece, piece_row, resized
 from sherd.report.stored.folder import JOINED_FORMAT
 from sherd.results.puzzle.joined import Joined
 
@@ -252,9 +252,9 @@ def _sentences(result: Joined) -> tuple[str, ...]:
     said.append(f"{asked} of {len(result.pairs)} pairs were asked.")
     reference = _reference(result.pieces, result.groups).length
     said += [
-        f"{number} {piece.name} is drawn as large as the others, as it is {by:.3g} times as wide."
-        for number, piece in enumerate(result.pieces)
-        if (by := 1 / resized_by(piece, reference)) != 1
+        f"{number} {result.pieces[number].name} is drawn as large as the others, as it is "
+        f"{times:.3g} times as wide."
+        for number, times in resized(result.pieces, reference).items()
     ]
     said += [
         f"{number} {result.pieces[number].name}: {text}."

@@ -13,7 +13,7 @@ from sherd.drawing.camera import best_view, upward
 from sherd.drawing.exhibit import Exhibit, Partner
 from sherd.mesh.triangle_mesh import TriangleMesh
 
-__all__ = ["PieceRow", "ShownPiece", "piece_row", "resized_by"]
+__all__ = ["PieceRow", "ShownPiece", "piece_row", "resized"]
 
 # Between neighbors, as a share of the largest extent of a piece.
 SPACE = 0.12
@@ -51,7 +51,7 @@ class PieceRow:
     numbers: Ints
 
 
-def resized_by(piece: TriangleMesh, reference: float) -> float:
+def _resized_by(piece: TriangleMesh, reference: float) -> float:
     """By what a piece is drawn larger; mostly 1.
 
     What would hide others, or not be seen, is as large as the reference; both in sqrt(area).
@@ -60,17 +60,23 @@ def resized_by(piece: TriangleMesh, reference: float) -> float:
     return 1.0 if fits else reference / piece.length
 
 
+def resized(pieces: Sequence[TriangleMesh], reference: float) -> dict[int, float]:
+    """By number, of the pieces that are drawn in another size, how many times as wide they are."""
+    factors = [_resized_by(piece, reference) for piece in pieces]
+    return {number: 1 / factor for number, factor in enumerate(factors) if factor != 1}
+
+
 def piece_row(
     full: TriangleMesh, pieces: Sequence[ShownPiece], reference: float | None = None
 ) -> PieceRow:
     """Lay the pieces out beside each other, in the order given, as one looks at the full shape.
 
     In their sizes, but for those that cannot be seen beside the reference (sqrt(area); the full
-    shape if None), see :func:`resized_by`.
+    shape if None), see :func:`resized`.
     """
     reference = full.length if reference is None else reference
     view = best_view(full, np.ones(full.vertex_count, dtype=bool), upward(full)).rotation
-    seen = [_turned(full, piece) @ view.T * resized_by(piece.mesh, reference) for piece in pieces]
+    seen = [_turned(full, piece) @ view.T * _resized_by(piece.mesh, reference) for piece in pieces]
     low = [points.min(axis=0) for points in seen]
     size = np.array([points.max(axis=0) - least for points, least in zip(seen, low, strict=True)])
     space = SPACE * float(size.max())
