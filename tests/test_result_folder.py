@@ -62,6 +62,22 @@ def test_files_of_others_are_not_mixed_with_a_result(tmp_path) -> None:
         replaceable_files(tmp_path, MATCH)
 
 
+@pytest.mark.parametrize("overwrite", [False, True])
+def test_what_a_result_cannot_replace_is_known_before_the_work(tmp_path, overwrite) -> None:
+    puzzle = ResultKind("sherd assembly 1", "whole.ply", "a.ply, b.ply")
+    (tmp_path / "piece_1").write_text("mine")
+    with pytest.raises(OutputError, match=r"piece_1: is a file where the result has a folder; mo"):
+        replaceable_files(tmp_path, puzzle, overwrite=overwrite)
+    replaceable_files(tmp_path, MATCH, overwrite=True)  # it has no pieces
+    (tmp_path / "piece_1").unlink()
+    for name in ("piece_1/part.ply", "report.html"):
+        (tmp_path / name).mkdir(parents=True)
+        with pytest.raises(OutputError, match=rf"{name}: is a folder where a result has a file"):
+            replaceable_files(tmp_path, puzzle, overwrite=overwrite)
+        (tmp_path / name).rmdir()
+    assert replaceable_files(tmp_path, puzzle, overwrite=overwrite) == ()
+
+
 def test_what_cannot_be_written_is_known_before_and_leaves_no_trace(tmp_path) -> None:
     (tmp_path / "file").write_text("in the way")
     for path, folder in ((tmp_path / "file", True), (tmp_path / "file" / "a.npz", False)):

@@ -112,17 +112,19 @@ def replaceable_files(
     Raises
     ------
     OutputError
-        If the folder cannot be written or is not free; the message says what is there.
+        If the folder cannot be written or is not free, or something in it that cannot be replaced
+        stands in the way; the message says what is there.
     """
     target = Path(folder)
     require_writable(target, folder=True)
     if not target.exists():
         return ()
+    _refuse_obstacles(target, kind)
     with reported(target):
         present = {
             path.name
             for path in target.iterdir()
-            if not path.name.startswith(".") and (path.is_file() or path.name in NAMES)
+            if not path.name.startswith(".") and path.is_file()
         } | _in_piece_folders(target, kind)
     old = _stored(target)
     if overwrite:
@@ -159,8 +161,8 @@ def inside_name(name: str) -> str:
 
 
 def _in_piece_folders(folder: Path, kind: ResultKind) -> set[str]:
-    """Files in folders of single pieces, of which only some kinds of results have any."""
-    if not kind.file_format.startswith(("sherd assembly", "sherd fit")):
+    """Files in folders of single pieces."""
+    if not _has_piece_folders(kind):
         return set()
     with reported(folder):
         return {
@@ -168,6 +170,32 @@ def _in_piece_folders(folder: Path, kind: ResultKind) -> set[str]:
             for path in folder.glob("piece_*/*")
             if PIECE_FOLDER.fullmatch(path.parent.name) and path.name in NAMES
         }
+
+
+def _has_piece_folders(kind: ResultKind) -> bool:
+    return kind.file_format.startswith(("sherd assembly", "sherd fit"))
+
+
+def _refuse_obstacles(folder: Path, kind: ResultKind) -> None:
+    """Refuse folders where a result has files, and files where it has folders of pieces.
+
+    No result puts them there, and they would show only when all the work is done.
+    """
+    with reported(folder):
+        paths = [*folder.iterdir()]
+        if _has_piece_folders(kind):
+            pieces = [path for path in paths if PIECE_FOLDER.fullmatch(path.name)]
+            for piece in pieces:
+                if not piece.is_dir():
+                    raise _in_the_way(piece, "a file where the result has a folder")
+            paths += [path for piece in pieces for path in piece.iterdir()]
+    for path in paths:
+        if path.name in NAMES and path.is_dir():
+            raise _in_the_way(path, "a folder where a result has a file")
+
+
+def _in_the_way(path: Path, what: str) -> OutputError:
+    return OutputError(f"{path}: is {what}; move it away or choose another folder")
 
 
 def _taken(folder: Path, what: str) -> OutputError:

@@ -143,7 +143,10 @@ def _group_layer(values: Ints, groups: Sequence[Sequence[int]]) -> Layer:
         values,
         kind="category",
         description="Pieces of one color belong together.",
-        labels=tuple(f"pieces {', '.join(map(str, group))}" for group in groups),
+        labels=tuple(
+            f"{'piece' if len(group) == 1 else 'pieces'} {', '.join(map(str, group))}"
+            for group in groups
+        ),
         palette=piece_palette(max(len(groups), 7)),
     )
 
