@@ -581,6 +581,30 @@ def test_a_larger_piece_of_something_else_hides_nothing(monkeypatch) -> None:
     assert wholes[-1] == alone
 
 
+@pytest.mark.parametrize(
+    ("enough", "groups"), [((1,), [[0, 1, 3], [2]]), ((), [[0], [1], [2], [3]])]
+)
+def test_what_shares_little_with_the_next_root_is_joined_if_another_shares_enough(
+    enough, groups, monkeypatch
+) -> None:
+    some = [
+        Union.of_piece(TriangleMesh(SQUARE * size, FACES), number)
+        for number, size in enumerate((2.0, 1.9, 9.0, 1.8))
+    ]
+
+    def meet(first: Union, second: Union, known: Ints, taken: Bools | None) -> Any:
+        return answer(0.9 if 0 in first.members else 0.0)
+
+    def area(join: Join) -> float:
+        return (0.1 if join.second.members == enough else 0.04) * some[0].mesh.area
+
+    monkeypatch.setattr(asking, "common_area", area)
+    found = grown(some, np.ones((4, 4)), ways(meet))
+    assert sorted(map(sorted, found.groups)) == groups
+    assert not found.last
+    assert bool(found.sure) == bool(enough)
+
+
 def test_where_nothing_is_sure_the_largest_piece_is_the_root() -> None:
     def meet(first: Union, second: Union, known: Ints, taken: Bools | None) -> Any:
         return answer(0.0)
@@ -701,7 +725,7 @@ def test_so_does_what_is_half_likely_on_who_belongs_so(monkeypatch) -> None:
     assert sorted(map(sorted, found.groups)) == [[0, 1, 2, 3], [4]]
 
 
-@pytest.mark.parametrize(("share", "unplaced"), [(0.017, []), (0.018, [2])])
+@pytest.mark.parametrize(("share", "unplaced"), [(0.017, []), (0.02, [2])])
 def test_whose_skin_is_recognized_belongs_without_a_place(share, unplaced) -> None:
     def meet(first: Union, second: Union, known: Ints, taken: Bools | None) -> Any:
         if second.members == (1,):
@@ -718,7 +742,7 @@ def test_whose_skin_is_recognized_belongs_without_a_place(share, unplaced) -> No
     ("image", "belongs"),
     [
         (Answer(0.9, by_skin=0.9), False),
-        (Answer(0.1, recognized=0.018 * 4.0), True),
+        (Answer(0.1, recognized=0.02 * 4.0), True),
         (Answer(0.1, recognized=0.017 * 4.0), False),
         (Answer(0.1, fills=True), True),
     ],

@@ -20,13 +20,21 @@ from sherd.puzzle.pairwise.answer import JOINED, LIKELY, Ground, Meeting, ground
 from sherd.puzzle.pairwise.body import Told
 from sherd.puzzle.pairwise.meeting import NOTHING_KNOWN
 
-__all__ = ["Asking", "Meet", "against", "asked", "common_area", "unless_strangers"]
+__all__ = [
+    "Asking",
+    "Meet",
+    "against",
+    "asked",
+    "common_area",
+    "share_enough",
+    "unless_strangers",
+]
 
-# Two that are both strangers to the largest piece share more than this of its area (of that from
-# which the first group grows, if nobody belongs to it), or are not believed: no larger union will
-# see it again. A man's limb on a part of a cat, neither of which the man's others knew, had 0.91 by
-# all that is seen (0.96 in the unit of the largest piece), with a common area of 0.04; the three
-# right joins of such pairs, of a cat and a wolf, have 0.10, 0.21 and 0.25. Half way by ratio.
+# Two that are both strangers to the root share more than this of its area, or are not believed: no
+# larger union will see it again. A man's limb on a part of a cat, neither of which the man's others
+# knew, had 0.91 by all that is seen (0.96 in the unit of the largest piece), with a common area of
+# 0.04; the three right joins of such pairs, of a cat and a wolf, have 0.10, 0.21 and 0.25. Half way
+# by ratio.
 BESIDE = 0.065
 
 # The larger union, the other one, pairs (p, 2) of vertices that lie on each other, and the vertices
@@ -83,15 +91,19 @@ def asked(first: Union, second: Union, meet: Meet, growth: Growth) -> Join:
 
 
 def unless_strangers(join: Join, growth: Growth) -> Join:
-    """The same, but that tells nothing of two that share too little, and nothing with the largest.
+    """The same, but that tells nothing of two that share too little, and nothing with the root.
 
     What was kept in mind of it is forgotten.
     """
-    known = growth.largest.members[0] in (*join.first.members, *join.second.members)
-    if known or common_area(join) >= BESIDE * growth.root.mesh.area:
+    if growth.has_root(join) or share_enough(join, growth):
         return join
     growth.forget(join)
     return join.with_chance(LEAST)
+
+
+def share_enough(join: Join, growth: Growth) -> bool:
+    """Whether strangers are believed that share so much."""
+    return common_area(join) >= BESIDE * growth.root.mesh.area
 
 
 def common_area(join: Join) -> float:

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from functools import cache
 
 from sherd.arrays import Floats
-from sherd.puzzle.growing.asking import Asking, Meet, asked, unless_strangers
+from sherd.puzzle.growing.asking import Asking, Meet, asked, share_enough, unless_strangers
 from sherd.puzzle.growing.belonging import belonging
 from sherd.puzzle.growing.common_places import crowding, laid_alike, taken_by
 from sherd.puzzle.growing.completion import with_likely, with_twins
@@ -126,6 +126,7 @@ def _with_sure(
         partner = _by_members(here, others, evidence, asking, growth)
         if partner is None:
             partner = _surest(here, others, evidence, asking.meet, growth)
+            partner = _unless_root_by_little(partner, growth)
         if partner is None:
             _ask_members(here, others, evidence, asking, growth)
             partner = _by_members(here, others, evidence, asking, growth)
@@ -174,6 +175,23 @@ def _surest(
     if best is not None or not sure:
         return best
     return _elsewhere(sure, others, meet, growth)
+
+
+def _unless_root_by_little(partner: Join | None, growth: Growth) -> Join | None:
+    """The first partner of a root; None if that surely shares little with all, and is not largest.
+
+    Then it is a stranger as others are, and what it said of those with which it shares little is
+    forgotten. If it shares enough with one of them it is believed of all.
+    """
+    if growth.joins or growth.root is growth.largest:
+        return partner
+    said = growth.said_by_root()
+    if any(share_enough(join, growth) for join in said if join in growth.sure):
+        return partner
+    for join in said:
+        if not share_enough(join, growth):
+            growth.disbelieve(join)
+    return None
 
 
 def _by_members(

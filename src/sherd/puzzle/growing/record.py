@@ -10,6 +10,7 @@ from itertools import combinations
 import numpy as np
 
 from sherd.arrays import Bools
+from sherd.correspondence.confidence import LEAST
 from sherd.puzzle.growing.common_places import crowding, lying_in, taken_by
 from sherd.puzzle.growing.union import Join, Union, largest_first
 from sherd.puzzle.pairwise.answer import HALF_LIKELY, Ground, chance_to_belong, ground_of
@@ -228,6 +229,26 @@ class Growth:
         """Forget that what was said of two unions was likely."""
         self.half_likely = [each for each in self.half_likely if not _same(each, join)]
         self._forget_likely(lambda each: _same(each, join))
+
+    def has_root(self, join: Join) -> bool:
+        """Whether the root is one of both, or in one of both."""
+        return self.root.members[0] in join.members
+
+    def said_by_root(self) -> list[Join]:
+        """What was kept in mind of the root and others than the largest piece."""
+        kept = (self.sure, self.likely, self.by_skin, self.filling, self.half_likely)
+        return [
+            join
+            for joins in kept
+            for join in joins
+            if self.has_root(join) and self.largest.members[0] not in join.members
+        ]
+
+    def disbelieve(self, join: Join) -> None:
+        """Forget that what was said of two unions was sure or likely."""
+        self.sure = [each for each in self.sure if not _same(each, join)]
+        self.chances[_members(join)] = LEAST
+        self.forget(join)
 
     def _forget_likely(self, gone: Callable[[Join], bool]) -> None:
         self.likely = [each for each in self.likely if not gone(each)]
