@@ -605,6 +605,23 @@ def test_what_shares_little_with_the_next_root_is_joined_if_another_shares_enoug
     assert bool(found.sure) == bool(enough)
 
 
+@pytest.mark.parametrize(("shared", "groups"), [(0.1, [[0, 1], [2, 3, 4]]), (0.04, [[0, 1]])])
+def test_a_second_group_has_a_root_as_well(shared, groups, monkeypatch) -> None:
+    def meet(first: Union, second: Union, known: Ints, taken: Bools | None) -> Any:
+        both = {first.members[0], second.members[0]}
+        return answer(0.9 if both in ({0, 1}, {2, 3}, {2, 4}) else 0.0)
+
+    some = pieces(5)
+
+    def area(join: Join) -> float:
+        return (shared if join.second.members == (3,) else 0.04) * some[0].mesh.area
+
+    monkeypatch.setattr(asking, "common_area", area)
+    found = grown(some, np.ones((5, 5)), ways(meet))
+    assert sorted(sorted(group) for group in found.groups if len(group) > 1) == groups
+    assert found.roots == {group[0] for group in groups}
+
+
 def test_where_nothing_is_sure_the_largest_piece_is_the_root() -> None:
     def meet(first: Union, second: Union, known: Ints, taken: Bools | None) -> Any:
         return answer(0.0)

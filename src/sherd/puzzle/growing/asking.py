@@ -30,11 +30,11 @@ __all__ = [
     "unless_strangers",
 ]
 
-# Two that are both strangers to the root share more than this of its area, or are not believed: no
-# larger union will see it again. A man's limb on a part of a cat, neither of which the man's others
-# knew, had 0.91 by all that is seen (0.96 in the unit of the largest piece), with a common area of
-# 0.04; the three right joins of such pairs, of a cat and a wolf, have 0.10, 0.21 and 0.25. Half way
-# by ratio.
+# Two strangers, neither of which has the root of a group, share more than this of the area of the
+# first root, or are not believed: no larger union will see it again. A man's limb on a part of a
+# cat, neither of which the man's others knew, had 0.91 by all that is seen (0.96 in the unit of the
+# largest piece), with a common area of 0.04; the three right joins of such pairs, of a cat and a
+# wolf, have 0.10, 0.21 and 0.25. Half way by ratio.
 BESIDE = 0.065
 
 # The larger union, the other one, pairs (p, 2) of vertices that lie on each other, and the vertices
@@ -91,11 +91,11 @@ def asked(first: Union, second: Union, meet: Meet, growth: Growth) -> Join:
 
 
 def unless_strangers(join: Join, growth: Growth) -> Join:
-    """The same, but that tells nothing of two that share too little, and nothing with the root.
+    """The same, but that tells nothing of two that share too little, neither of which has a root.
 
     What was kept in mind of it is forgotten.
     """
-    if growth.has_root(join) or share_enough(join, growth):
+    if growth.has_root(join.members) or share_enough(join, growth):
         return join
     growth.forget(join)
     return join.with_chance(LEAST)

@@ -125,8 +125,8 @@ def _with_sure(
         # what members said already is sure, so the union need not be asked
         partner = _by_members(here, others, evidence, asking, growth)
         if partner is None:
-            partner = _surest(here, others, evidence, asking.meet, growth)
-            partner = _unless_root_by_little(partner, growth)
+            ask = _surest if growth.has_root(here.members) else _surest_of_stranger
+            partner = ask(here, others, evidence, asking.meet, growth)
         if partner is None:
             _ask_members(here, others, evidence, asking, growth)
             partner = _by_members(here, others, evidence, asking, growth)
@@ -177,21 +177,33 @@ def _surest(
     return _elsewhere(sure, others, meet, growth)
 
 
-def _unless_root_by_little(partner: Join | None, growth: Growth) -> Join | None:
-    """The first partner of a root; None if that surely shares little with all, and is not largest.
+def _surest_of_stranger(
+    here: Union, others: Sequence[Union], evidence: Floats, meet: Meet, growth: Growth
+) -> Join | None:
+    """The surest partner of what has no root yet.
 
-    Then it is a stranger as others are, and what it said of those with which it shares little is
-    forgotten. If it shares enough with one of them it is believed of all.
+    If it surely shares enough with somebody a group grows from it, and it is believed of all. If
+    not it stays a stranger, and what it said of others that it shares too little with is forgotten.
     """
-    if growth.joins or growth.root is growth.largest:
-        return partner
-    said = growth.said_by_root()
-    if any(share_enough(join, growth) for join in said if join in growth.sure):
+    growth.roots.add(here.members[0])
+    partner = _surest(here, others, evidence, meet, growth)
+    growth.roots.remove(here.members[0])
+    said = growth.said_of(here)
+    enough = [join for join in said if share_enough(join, growth)]
+    if partner is not None and any(join in growth.sure for join in enough):
+        growth.roots.add(here.members[0])
         return partner
     for join in said:
-        if not share_enough(join, growth):
+        if join not in enough:
             growth.disbelieve(join)
-    return None
+    if partner is None or partner in growth.sure:
+        return partner
+    left = [
+        join
+        for join in growth.sure
+        if here in join.both and all(each is here or each in others for each in join.both)
+    ]
+    return _best_undisputed(left, others, growth)
 
 
 def _by_members(

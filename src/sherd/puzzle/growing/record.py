@@ -62,6 +62,8 @@ class Growth:
     root
         The piece from which the first group grows: the largest, or the next one if that was asked
         and surely belongs to nobody. A piece of a horse may be larger than a wolf.
+    roots
+        By their numbers, the largest piece and those from which groups grow.
     joins
         In the order in which they were made.
     last
@@ -110,6 +112,7 @@ class Growth:
 
     pieces: Mapping[int, Union]
     root: Union
+    roots: set[int]
     joins: list[Join] = field(default_factory=list)
     last: list[Join] = field(default_factory=list)
     across: list[Join] = field(default_factory=list)
@@ -136,7 +139,8 @@ class Growth:
     @classmethod
     def begun(cls, pieces: Sequence[Union]) -> Growth:
         """Before anything is asked."""
-        return cls({each.members[0]: each for each in pieces}, largest_first(pieces)[0])
+        largest = largest_first(pieces)[0]
+        return cls({each.members[0]: each for each in pieces}, largest, {*largest.members})
 
     @property
     def largest(self) -> Union:
@@ -230,18 +234,18 @@ class Growth:
         self.half_likely = [each for each in self.half_likely if not _same(each, join)]
         self._forget_likely(lambda each: _same(each, join))
 
-    def has_root(self, join: Join) -> bool:
-        """Whether the root is one of both, or in one of both."""
-        return self.root.members[0] in join.members
+    def has_root(self, members: Sequence[int]) -> bool:
+        """Whether one of these is the root of a group."""
+        return not self.roots.isdisjoint(members)
 
-    def said_by_root(self) -> list[Join]:
-        """What was kept in mind of the root and others than the largest piece."""
+    def said_of(self, here: Union) -> list[Join]:
+        """What was kept in mind of a piece and others that are no roots."""
         kept = (self.sure, self.likely, self.by_skin, self.filling, self.half_likely)
         return [
             join
             for joins in kept
             for join in joins
-            if self.has_root(join) and self.largest.members[0] not in join.members
+            if here in join.both and not self.has_root(join.members)
         ]
 
     def disbelieve(self, join: Join) -> None:

@@ -99,6 +99,11 @@ class Join:
     met: Meeting
 
     @property
+    def both(self) -> tuple[Union, Union]:
+        """The first and the second."""
+        return self.first, self.second
+
+    @property
     def members(self) -> tuple[int, ...]:
         """The pieces of both, those of the first one first."""
         return (*self.first.members, *self.second.members)
