@@ -704,7 +704,10 @@ def test_what_looks_like_a_part_of_the_largest_group_belongs_to_it(chance, unpla
         asked.append((first.members, second.members))
         return chance if second.members == (3,) else 0.1
 
-    found = grown(pieces(4), np.ones((4, 4)), ways(fills_a_gap(2), as_a_part=as_a_part))
+    some = pieces(3)
+    for number, size in ((3, 1.0), (4, 1.2)):  # a fourth of the largest, and too large for a part
+        some.append(Union.of_piece(TriangleMesh(SQUARE * size, FACES), number))
+    found = grown(some, np.ones((5, 5)), ways(fills_a_gap(2), as_a_part=as_a_part))
     assert found.unplaced == [2, *unplaced]
     # who fills a gap belongs already
     assert asked == [((0, 1), (3,))]
