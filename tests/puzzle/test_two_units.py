@@ -114,6 +114,13 @@ def test_what_is_believed_at_a_glance_is_not_asked_in_full(sharing) -> None:
     assert question(Asked(UNLIKELY, None), SURE).in_full() == SURE
 
 
+@pytest.mark.parametrize(("share", "sure"), [(0.69, True), (0.71, False)])
+def test_unless_it_is_most_of_the_larger_one(sharing, share, sure) -> None:
+    """Its own unit would see that: a leg of a cow on that of a lion."""
+    sharing(share / WHOLE**2, 0.0)
+    assert question(Asked(UNLIKELY, UNLIKELY), SURE).at_a_glance() == (SURE if sure else UNLIKELY)
+
+
 @pytest.mark.parametrize(("left", "sure"), [(0.0, True), (1.0, False)])
 def test_what_has_a_chance_is_asked_at_large_in_full(sharing, left, sure) -> None:
     """If it is not sure there at a glance; a leg of a horse is so at a further place."""

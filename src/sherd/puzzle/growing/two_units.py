@@ -35,6 +35,10 @@ SEEN = 0.1
 # further places two are wrong, with 0.05 and 0.06. So further places are asked at large only if
 # that can confirm one, and this is above what wrong ones have.
 SEEN_AT_LARGE = 0.1
+# But not what shares more than this of the larger one, whose own unit sees all of it: a cow's leg
+# on a lion's, 0.81 of that, is sure at large (0.9) and found at no place in their own unit. Of what
+# is right and found at large alone the most is a ball on a ball, 0.6 of it. Half way by ratio.
+SEEN_IN_OWN_UNIT = 0.7
 # What shares less must not have a mirror image that fits clearly better at large. A part of a horse
 # on one of a cat, 0.05 of the whole, seems sure there (0.81; 0.22 in their own unit) and has -0.64;
 # right ones of four puzzles that share 0.05 to 0.12 have -0.21 and more. This is half way.
@@ -70,7 +74,7 @@ class QuestionInTwoUnits:
             return own
         there, before = self._join(self._wide.at_a_glance()), self._join(own)
         met = there.met
-        if met.chance < JOINED or common_area(there) < SEEN_AT_LARGE * self.whole**2:
+        if met.chance < JOINED or not self._believed_at_large(common_area(there)):
             met = own
         elif left_out(before, there) > CROWD:
             met = against(there, before).met
@@ -94,6 +98,11 @@ class QuestionInTwoUnits:
         sure = sure and left_out(self._join(own), there) <= CROWD
         found = there.met if sure else replace(own, at_large=likelier(there.met))
         return _recognizing(found, [own, there.met])
+
+    def _believed_at_large(self, area: float) -> bool:
+        """Whether what shares so much is believed in units of the whole by itself."""
+        most = SEEN_IN_OWN_UNIT * self.first.mesh.area
+        return SEEN_AT_LARGE * self.whole**2 <= area <= most
 
     @cached_property
     def _own(self) -> PairQuestion:
