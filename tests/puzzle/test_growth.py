@@ -622,6 +622,23 @@ def test_a_second_group_has_a_root_as_well(shared, groups, monkeypatch) -> None:
     assert found.roots == {group[0] for group in groups}
 
 
+def test_a_stranger_that_is_not_believed_of_another_joins_who_is_next(monkeypatch) -> None:
+    """Of many pieces the group has not asked it, but it asks the group."""
+
+    def meet(first: Union, second: Union, known: Ints, taken: Bools | None) -> Any:
+        pairs = {((0,), (1,)): 0.9, ((0, 1), (2,)): 0.8, ((2,), (3,)): 0.95}
+        return answer(pairs.get((first.members, second.members), 0.0))
+
+    evidence = np.ones((11, 11))
+    evidence[2] = evidence[:, 2] = 0.1
+    for other in (0, 3):
+        evidence[2, other] = evidence[other, 2] = 0.5
+    some = pieces(11)
+    monkeypatch.setattr(asking, "common_area", lambda join: 0.04 * some[0].mesh.area)
+    found = grown(some, evidence, ways(meet))
+    assert [sorted(group) for group in found.groups if len(group) > 1] == [[0, 1, 2]]
+
+
 def test_where_nothing_is_sure_the_largest_piece_is_the_root() -> None:
     def meet(first: Union, second: Union, known: Ints, taken: Bools | None) -> Any:
         return answer(0.0)
