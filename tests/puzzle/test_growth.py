@@ -637,6 +637,7 @@ def test_a_stranger_that_is_not_believed_of_another_joins_who_is_next(monkeypatc
     monkeypatch.setattr(asking, "common_area", lambda join: 0.04 * some[0].mesh.area)
     found = grown(some, evidence, ways(meet))
     assert [sorted(group) for group in found.groups if len(group) > 1] == [[0, 1, 2]]
+    assert not found.last
 
 
 def test_where_nothing_is_sure_the_largest_piece_is_the_root() -> None:
