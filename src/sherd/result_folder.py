@@ -160,20 +160,25 @@ def inside_name(name: str) -> str:
     return Path(name).name
 
 
+def _piece_folders(folder: Path, kind: ResultKind) -> list[Path]:
+    """What is named as folders of single pieces are, of which only some kinds of results have any.
+
+    Errors of the disk are the caller's to report.
+    """
+    if not kind.file_format.startswith(("sherd assembly", "sherd fit")):
+        return []
+    return [path for path in folder.iterdir() if PIECE_FOLDER.fullmatch(path.name)]
+
+
 def _in_piece_folders(folder: Path, kind: ResultKind) -> set[str]:
     """Files in folders of single pieces."""
-    if not _has_piece_folders(kind):
-        return set()
     with reported(folder):
         return {
-            f"{path.parent.name}/{path.name}"
-            for path in folder.glob("piece_*/*")
-            if PIECE_FOLDER.fullmatch(path.parent.name) and path.name in NAMES
+            f"{piece.name}/{path.name}"
+            for piece in _piece_folders(folder, kind)
+            for path in piece.iterdir()
+            if path.name in NAMES
         }
-
-
-def _has_piece_folders(kind: ResultKind) -> bool:
-    return kind.file_format.startswith(("sherd assembly", "sherd fit"))
 
 
 def _refuse_obstacles(folder: Path, kind: ResultKind) -> None:
@@ -182,13 +187,11 @@ def _refuse_obstacles(folder: Path, kind: ResultKind) -> None:
     No result puts them there, and they would show only when all the work is done.
     """
     with reported(folder):
-        paths = [*folder.iterdir()]
-        if _has_piece_folders(kind):
-            pieces = [path for path in paths if PIECE_FOLDER.fullmatch(path.name)]
-            for piece in pieces:
-                if not piece.is_dir():
-                    raise _in_the_way(piece, "a file where the result has a folder")
-            paths += [path for piece in pieces for path in piece.iterdir()]
+        pieces = _piece_folders(folder, kind)
+        for piece in pieces:
+            if not piece.is_dir():
+                raise _in_the_way(piece, "a file where the result has a folder")
+        paths = [path for each in (folder, *pieces) for path in each.iterdir()]
     for path in paths:
         if path.name in NAMES and path.is_dir():
             raise _in_the_way(path, "a folder where a result has a file")

@@ -133,7 +133,7 @@ def _with_sure(
         if partner is None:
             done.append(here)
             continue
-        for union in {partner.first, partner.second} - {here}:
+        for union in {*partner.both} - {here}:
             (growing if union in growing else done).remove(union)
         growth.joins.append(partner)
         growing.append(united(partner))
@@ -187,22 +187,17 @@ def _surest_of_stranger(
     """
     growth.roots.add(here.members[0])
     partner = _surest(here, others, evidence, meet, growth)
-    growth.roots.remove(here.members[0])
-    said = growth.said_of(here)
-    enough = [join for join in said if share_enough(join, growth)]
-    if partner is not None and any(join in growth.sure for join in enough):
-        growth.roots.add(here.members[0])
+    said = growth.said_to_strangers(here)
+    little = [join for join in said if not share_enough(join, growth)]
+    if partner is not None and any(join in growth.sure for join in said if join not in little):
         return partner
-    for join in said:
-        if join not in enough:
-            growth.disbelieve(join)
+    growth.roots.remove(here.members[0])
+    for join in little:
+        growth.disbelieve(join)
     if partner is None or partner in growth.sure:
         return partner
-    left = [
-        join
-        for join in growth.sure
-        if here in join.both and all(each is here or each in others for each in join.both)
-    ]
+    asked_now = {here, *others}
+    left = [join for join in growth.sure if here in join.both and asked_now.issuperset(join.both)]
     return _best_undisputed(left, others, growth)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import combinations
 
@@ -234,18 +234,18 @@ class Growth:
         self.half_likely = [each for each in self.half_likely if not _same(each, join)]
         self._forget_likely(lambda each: _same(each, join))
 
-    def has_root(self, members: Sequence[int]) -> bool:
+    def has_root(self, members: Collection[int]) -> bool:
         """Whether one of these is the root of a group."""
         return not self.roots.isdisjoint(members)
 
-    def said_of(self, here: Union) -> list[Join]:
-        """What was kept in mind of a piece and others that are no roots."""
+    def said_to_strangers(self, here: Union) -> list[Join]:
+        """What was kept in mind of a union and others, of those that have no root."""
         kept = (self.sure, self.likely, self.by_skin, self.filling, self.half_likely)
         return [
             join
             for joins in kept
             for join in joins
-            if here in join.both and not self.has_root(join.members)
+            if here in join.both and not self.has_root({*join.members} - {*here.members})
         ]
 
     def disbelieve(self, join: Join) -> None:
