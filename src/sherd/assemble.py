@@ -13,7 +13,8 @@ from sherd.puzzle.borders import bordering, cut_apart
 from sherd.puzzle.further_trials import trials_again
 from sherd.puzzle.partition import Partition
 from sherd.puzzle.rigid.rigid_trials import rigid_trials
-from sherd.puzzle.trials import chosen_together, trials_alone
+from sherd.puzzle.siblings import chosen_beside_siblings
+from sherd.puzzle.trials import trials_alone
 from sherd.results.keywords import options_of
 from sherd.results.match_options import MatchOptions
 from sherd.results.puzzle.assemble_options import AssembleKeywords, AssembleOptions
@@ -112,7 +113,7 @@ def assemble(
             template, trials, len(intakes), stages, may_overlap=options.may_overlap
         )
     with stages("joint choice"):
-        together = chosen_together(
+        together = chosen_beside_siblings(
             trials, len(intakes), template.placed.vertex_areas, may_overlap=options.may_overlap
         )
     with stages("borders"):

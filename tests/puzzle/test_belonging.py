@@ -46,5 +46,5 @@ def test_nor_is_what_is_larger_than_the_body(body: Body) -> None:
 
 
 def test_what_is_folded_where_it_lies_is_none(body: Body, monkeypatch) -> None:
-    monkeypatch.setattr(body_module, "log_odds_against", lambda placement: -6.0)
+    monkeypatch.setattr(body_module, "log_odds_against", lambda placement, alike: -6.0)
     assert chance_as_a_part(body, limb("tail_tip")) < LIKELY

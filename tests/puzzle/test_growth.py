@@ -37,6 +37,7 @@ class Answer:
     recognized: float = 0.0
     at_large: float | None = None
     fills: bool = False
+    elsewhere: bool = False
 
 
 def no_twins(first: Union, second: Union) -> None:
@@ -239,8 +240,8 @@ def test_of_two_in_one_place_neither_is_joined_unless_one_is_far_surer(monkeypat
 
     def meet(surer: float) -> Any:
         def asked(first: Union, second: Union, known: Ints, taken: Bools | None) -> Any:
-            alone = first.members == (0,)
-            return answer({1: surer, 2: 0.8}[second.members[0]] if alone else 0.1)
+            there = first.members == (0,) and taken is None
+            return answer({1: surer, 2: 0.8}[second.members[0]] if there else 0.1)
 
         return asked
 
@@ -252,20 +253,42 @@ def test_of_two_in_one_place_neither_is_joined_unless_one_is_far_surer(monkeypat
     assert [join.met.chance for join in clear.last] == [pytest.approx(0.53, abs=0.01)]
 
 
+def crowd_in_two_places(monkeypatch: pytest.MonkeyPatch) -> None:
+    """All lie in one place, but for those that were found elsewhere."""
+    crowd(monkeypatch, lambda one, other: 0.9 * (one.met.elsewhere == other.met.elsewhere))
+
+
 def test_a_twin_in_the_place_of_another_is_asked_elsewhere_and_both_are_joined(monkeypatch) -> None:
-    crowd(monkeypatch, lambda one, other: 0.9)
+    crowd_in_two_places(monkeypatch)
     asked = []
 
     def meet(first: Union, second: Union, known: Ints, taken: Bools | None) -> Any:
         asked.append((first.members, second.members, taken is not None))
         # 1 lies where 2 belongs, and elsewhere as surely; 2 lies nowhere else
         here, elsewhere = {1: (0.9, 0.9), 2: (0.8, 0.05)}[second.members[0]]
-        return answer(here if taken is None else elsewhere)
+        return answer(here) if taken is None else Answer(elsewhere, elsewhere=True)
 
     found = grown(pieces(3), np.ones((3, 3)), ways(meet))
     assert [join.second.members for join in found.joins] == [(2,), (1,)]
     assert [join.met.chance for join in found.joins] == [0.8, 0.9]
     assert asked[-1] == ((0, 2), (1,), True)
+
+
+@pytest.mark.parametrize(("again", "joined"), [(0.65, [1, 2]), (0.3, [])])
+def test_who_is_asked_elsewhere_and_lies_there_still_overlaps_the_other(
+    again, joined, monkeypatch
+) -> None:
+    """A leg and a flank that share the hip; without that the leg is found by what is below it."""
+    crowd_in_two_places(monkeypatch)
+
+    def meet(first: Union, second: Union, known: Ints, taken: Bools | None) -> Any:
+        if first.members == (1,):
+            return answer(0.02)
+        here = {1: 0.87, 2: 0.8}[second.members[0]]
+        return answer(here if taken is None else {1: again, 2: 0.01}[second.members[0]])
+
+    found = grown(pieces(3), np.ones((3, 3)), ways(meet))
+    assert [join.second.members[0] for join in found.joins] == joined
 
 
 def test_two_that_overlap_in_one_place_are_both_joined_where_the_loop_closes(monkeypatch) -> None:

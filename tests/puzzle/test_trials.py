@@ -91,17 +91,16 @@ def test_what_hardly_speaks_against_a_piece_does_not_raise_the_bar() -> None:
 def test_skin_and_folds_speak_against_a_place_or_say_nothing(
     monkeypatch, alike, double, said
 ) -> None:
-    monkeypatch.setattr(against, "alike_where_laid", lambda question, deformation: alike)
     monkeypatch.setattr(against, "share_laid_double", lambda part, deformation: double)
     placement = SimpleNamespace(question=SimpleNamespace(part=None), deformation=None)
-    assert against.log_odds_against(placement) == pytest.approx(said)
+    assert against.log_odds_against(placement, alike) == pytest.approx(said)
 
 
 def test_a_rival_elsewhere_is_no_trial_of_its_own(monkeypatch) -> None:
     def placement(score: float, *rows: int) -> SimpleNamespace:
         return SimpleNamespace(score=score, mask=np.isin(np.arange(4), rows))
 
-    monkeypatch.setattr(trials, "log_odds_against", lambda placement: 0.0)
+    monkeypatch.setattr(trials, "_seen_there", lambda trial: trial)
     monkeypatch.setattr(trials, "trial_at", lambda piece, placed, *_, **__: placed.best)
     best = placement(0.8, 0, 1)
     placed = SimpleNamespace(

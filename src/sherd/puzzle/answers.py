@@ -18,6 +18,7 @@ from sherd.puzzle.joint_choice import shared_areas
 from sherd.puzzle.partition import GAP, Partition
 from sherd.puzzle.rigid.rigid_answer import rigid_answer
 from sherd.puzzle.rigid.rigid_trials import RigidPart
+from sherd.puzzle.siblings import beside_siblings, is_less_alike
 from sherd.puzzle.trials import CLASH, Together, Trial, clashes
 from sherd.region.coverage import smoothed
 from sherd.results.advice import SURE
@@ -131,7 +132,7 @@ def _answer(
         return PieceAnswer(
             result.part,
             placed=True,
-            reason=_place_words(trial, result),
+            reason=_place_words(trial, result, decision),
             chance=trial.chance if result.chance is None else result.chance,
             match=result,
             transform=None if trial.motion is None else trial.motion.matrix,
@@ -139,7 +140,9 @@ def _answer(
     alone = next(trial for trial in decision.trials if trial.piece == piece)
     result = _result(alone, alone.placed.chance, options, stages)
     instead = None if result.status is Status.FOREIGN else _rival(alone, decision.together.trials)
-    chance = alone.lowered(alone.chance)
+    seen = alone.with_chance(alone.lowered(alone.chance))
+    areas = alone.placed.template.placed.vertex_areas
+    chance = beside_siblings(seen, decision.together.trials.values(), areas).chance
     return PieceAnswer(
         result.part,
         placed=False,
@@ -158,11 +161,15 @@ def _result(trial: Trial, chance: float, options: AssembleOptions, stages: Stage
     return rigid_answer(result, trial.motion, chance, options.closeness)
 
 
-def _place_words(trial: Trial, result: MatchResult) -> str:
+def _place_words(trial: Trial, result: MatchResult, decision: Decision) -> str:
     """What to think of the place of a piece, and who takes what a match advises to give."""
     if result.status is Status.GOOD or trial.motion is not None:
         return result.advice
-    return f"{result.advice}; landmarks and units can be given to sherd match, of this piece alone"
+    said = result.advice
+    areas = trial.placed.template.placed.vertex_areas
+    if is_less_alike(trial, decision.together.trials.values(), areas):
+        said += "; its skin is far less alike there than that of the other pieces"
+    return f"{said}; landmarks and units can be given to sherd match, of this piece alone"
 
 
 def _beside_others(piece: int, placed: Mapping[int, PlacedPart]) -> PlacedPart:

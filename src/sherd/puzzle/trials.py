@@ -15,7 +15,7 @@ from sherd.mesh.sides import bulge
 from sherd.mesh.sizes import check_sizes
 from sherd.output import Stages
 from sherd.place import PlacedPart, labeled_part, laid_part, placed_part
-from sherd.puzzle.against import log_odds_against, lowered
+from sherd.puzzle.against import alike_there, log_odds_against, lowered
 from sherd.puzzle.border import border_of
 from sherd.puzzle.company import choice_in_company
 from sherd.puzzle.joint_choice import LEAST_CHANCE, Candidate, shared_areas
@@ -88,6 +88,8 @@ class Trial:
         What brings a rigid piece there; None if it is not rigid.
     against
         What speaks against the place, in log odds, at most 0; nothing was laid by it.
+    alike
+        How alike its skin is there; None if that is not known, as of a rigid piece.
     """
 
     piece: int
@@ -96,6 +98,7 @@ class Trial:
     candidate: Candidate
     motion: RigidMotion | None = None
     against: float = 0.0
+    alike: float | None = None
 
     @property
     def chance(self) -> float:
@@ -141,16 +144,12 @@ def trial_at(
     partition: Partition,
     chance: float,
     motion: RigidMotion | None = None,
-    *,
-    against: float = 0.0,
 ) -> Trial:
     """A piece placed once, with what it would claim."""
     best = placed.best
     border = border_of(placed.question.part.mesh, best.deformation.positions)
     core = partition.core(best.mask, MARGIN)
-    return Trial(
-        piece, placed, partition, Candidate(best.mask, core, chance, border), motion, against
-    )
+    return Trial(piece, placed, partition, Candidate(best.mask, core, chance, border), motion)
 
 
 def trials_alone(
@@ -352,11 +351,17 @@ def trials_of(piece: int, placed: PlacedPart, partition: Partition) -> list[Tria
     may fit and fill the whole a little better. Who lies in each other's way is asked elsewhere.
     """
     chance = trial_chance(placed.chance, placed.best.score)
-    found = [trial_at(piece, placed, partition, chance, against=log_odds_against(placed.best))]
+    found = [trial_at(piece, placed, partition, chance)]
     best, other = placed.best, placed.other
     if _is_another(best.mask, other.mask):
         less = float(np.exp((other.score - best.score) / SCORE_SCALE))
         swapped = replace(placed, best=other, other=best, rival=best)
-        against = log_odds_against(other)
-        found.append(trial_at(piece, swapped, partition, chance * less, against=against))
-    return found
+        found.append(trial_at(piece, swapped, partition, chance * less))
+    return [_seen_there(trial) for trial in found]
+
+
+def _seen_there(trial: Trial) -> Trial:
+    """The same with what its skin and its folds say of the place."""
+    best = trial.placed.best
+    alike = alike_there(best)
+    return replace(trial, alike=alike, against=log_odds_against(best, alike))

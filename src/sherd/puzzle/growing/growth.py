@@ -26,6 +26,7 @@ from sherd.puzzle.growing.record import (
     UNASKED,
     Growth,
     chance_of,
+    laid_there,
     odds_beside,
     odds_of,
 )
@@ -290,7 +291,8 @@ def _elsewhere(
     """The surest of those that dispute each other's places, once each was asked where else it lies.
 
     A left arm on the place of the right one, which lies there as well: who has the place, and who
-    lies elsewhere, is decided for both together. To lie nowhere else surely is no evidence.
+    lies elsewhere, is decided for both together. To lie nowhere else surely is no evidence. Who
+    likely lies where it did, by labels outside the place of the other, overlaps it there.
     """
     found: list[Join] = []
 
@@ -301,22 +303,28 @@ def _elsewhere(
     for join in sorted(sure, key=chance_of, reverse=True):
         if join not in growth.sure:
             continue  # it lost its place
-        rivals = _rivals(join, others, growth)
-        moved = []
-        for rival in rivals:
+        moved: list[tuple[Join, Join]] = []
+        for rival in _rivals(join, others, growth):
             own = beside(join.first, join.second, rival)
             its = beside(join.first, rival.second, join)
-            stays, goes = (join, its), (rival, own)
-            if _odds_of(stays) < DECIDED * _odds_of(goes):
+            if _still_there(own, join) or _still_there(its, rival):
+                growth.together.append((join.second.members, rival.second.members))
+            elif _odds_of((join, its)) < DECIDED * _odds_of((rival, own)):
                 break
-            moved.append(its)
+            else:
+                moved.append((rival, its))
         else:
             found.append(join)
-            for rival, its in zip(rivals, moved, strict=True):
+            for rival, its in moved:
                 growth.settle(join, rival.second.members)
                 growth.chances[join.first.members, rival.second.members] = its.met.chance
                 growth.sure += [its] if its.met.chance >= JOINED else []
     return max(found, key=chance_of, default=None)
+
+
+def _still_there(again: Join, before: Join) -> bool:
+    """Whether what was asked elsewhere likely lies where it did."""
+    return again.met.chance >= LIKELY and laid_there(before, again, again.second.members)
 
 
 def _odds_of(joins: tuple[Join, Join]) -> float:

@@ -16,7 +16,7 @@ from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.output import Stages
 from sherd.overlap import STRETCH, prepare_both_ways, queries_both_ways, questions_of
 from sherd.place import placed_part
-from sherd.puzzle.against import log_odds_against, lowered
+from sherd.puzzle.against import alike_there, log_odds_against, lowered
 from sherd.puzzle.pairwise.answer import Meeting
 from sherd.puzzle.pairwise.meeting import NOTHING_KNOWN
 from sherd.results.match_options import MatchOptions
@@ -104,7 +104,8 @@ class Body:
             placed = placed_part(self.template, scan_intake(second), options, stages)
         except InfeasibleError:
             return None
-        return Lying(match_result(placed, stages), log_odds_against(placed.best))
+        against = log_odds_against(placed.best, alike_there(placed.best))
+        return Lying(match_result(placed, stages), against)
 
     def image_matched(self, second: TriangleMesh) -> Lying | None:
         """The same of the mirror image of a surface; asked more than once, found once."""
