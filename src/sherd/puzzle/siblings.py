@@ -26,8 +26,8 @@ __all__ = ["beside_siblings", "chosen_beside_siblings", "is_less_alike"]
 
 # How much less alike than the others a piece may be, and by how much less likely more makes it, in
 # log odds: a logistic regression of the right place (error below 0.1), with the log odds of the
-# chances that were given as an offset, over 229 pieces of 52 puzzles in three and five pieces of six
-# animals of SMAL and of `tosca_poses` and `animations`. Of 174 that are less than 0.05 off twelve
+# chances that were given as an offset, over 229 pieces of 52 puzzles of six animals of SMAL and of
+# `tosca_poses` and `animations` in three and five pieces. Of 174 that are less than 0.05 off twelve
 # are less alike by more than 0.18, of 43 foreign ones all but five. With the slope for places that
 # are less than 0.05 off, 12, a part of a horse would be refused that lies right in a pose that
 # creases its skin.
