@@ -20,7 +20,7 @@ import numpy as np
 
 from sherd.arrays import Floats
 from sherd.puzzle.against import lowered
-from sherd.puzzle.trials import Together, Trial, chosen_together
+from sherd.puzzle.trials import Together, Trial, chosen_together, without_the_unlikely
 
 __all__ = ["beside_siblings", "chosen_beside_siblings", "is_less_alike"]
 
@@ -46,18 +46,14 @@ def chosen_beside_siblings(
     trials, count, areas, may_overlap
         As in :func:`sherd.puzzle.trials.chosen_together`.
     """
-    left = list(trials)
-    while True:
+
+    def chosen(left: Sequence[Trial]) -> Together:
         found = chosen_together(left, count, areas, may_overlap=may_overlap)
-        judged = {
-            piece: beside_siblings(trial, found.trials.values(), areas)
-            for piece, trial in found.trials.items()
-        }
-        unlikely = [trial for trial in judged.values() if trial.is_unlikely]
-        if not unlikely:
-            return replace(found, trials=judged)
-        least = min(unlikely, key=lambda trial: trial.chance)
-        left = [each for each in left if each.candidate.region is not least.candidate.region]
+        placed = found.trials
+        judged = {k: beside_siblings(each, placed.values(), areas) for k, each in placed.items()}
+        return replace(found, trials=judged)
+
+    return without_the_unlikely(trials, chosen)
 
 
 def beside_siblings(trial: Trial, placed: Collection[Trial], areas: Floats) -> Trial:

@@ -40,6 +40,7 @@ __all__ = [
     "trial_chance",
     "trials_alone",
     "trials_of",
+    "without_the_unlikely",
 ]
 
 # Regions are claimed surely but for a strip of two vertex spacings along the border.
@@ -205,15 +206,26 @@ def chosen_together(
     for a place where something clearly speaks against it, is taken out of the trials, and the rest
     is chosen anew.
     """
-    own = [[trial for trial in trials if trial.piece == k] for k in range(count)]
+
+    def chosen(left: Sequence[Trial]) -> Together:
+        own = [[trial for trial in left if trial.piece == k] for k in range(count)]
+        return _chosen_together(own, areas, may_overlap=may_overlap)
+
+    return without_the_unlikely(trials, chosen)
+
+
+def without_the_unlikely(
+    trials: Sequence[Trial], choose: Callable[[Sequence[Trial]], Together]
+) -> Together:
+    """What is chosen of trials, once what is unlikely then was taken out, one after another."""
+    left = list(trials)
     while True:
-        found = _chosen_together(own, areas, may_overlap=may_overlap)
+        found = choose(left)
         unlikely = [trial for trial in found.trials.values() if trial.is_unlikely]
         if not unlikely:
             return found
         least = min(unlikely, key=lambda trial: trial.chance)
-        taken = least.candidate.region
-        own[least.piece] = [each for each in own[least.piece] if each.candidate.region is not taken]
+        left = [each for each in left if each.candidate.region is not least.candidate.region]
 
 
 def _chosen_together(
