@@ -168,7 +168,10 @@ def _place_words(trial: Trial, result: MatchResult, decision: Decision) -> str:
     said = result.advice
     areas = trial.placed.template.placed.vertex_areas
     if is_less_alike(trial, decision.together.trials.values(), areas):
-        said += "; its skin is far less alike there than that of the other pieces"
+        said += (
+            "; its skin is far less alike there than that of the other pieces, so it may be of "
+            "something else, or lie beside its place"
+        )
     return f"{said}; landmarks and units can be given to sherd match, of this piece alone"
 
 
