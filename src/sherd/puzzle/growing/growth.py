@@ -305,9 +305,10 @@ def _elsewhere(
             continue  # it lost its place
         moved: list[tuple[Join, Join]] = []
         for rival in _rivals(join, others, growth):
-            own = beside(join.first, join.second, rival)
-            its = beside(join.first, rival.second, join)
-            if _still_there(own, join) or _still_there(its, rival):
+            # each of both is a question of a minute, so the second is asked if it is needed
+            if _still_there(own := beside(join.first, join.second, rival), join) or _still_there(
+                its := beside(join.first, rival.second, join), rival
+            ):
                 growth.together.append((join.second.members, rival.second.members))
             elif _odds_of((join, its)) < DECIDED * _odds_of((rival, own)):
                 break
