@@ -11,7 +11,7 @@ from sherd.correspondence.labels.consistent import PLACE_WIDTH, node_areas, same
 from sherd.correspondence.labels.inverse import inverse_labeling
 from sherd.correspondence.labels.labeling import Labeling, Problem, labeling_problem
 from sherd.correspondence.labels.local_groups import CANDIDATES, local_groups
-from sherd.correspondence.labels.places import UNEQUAL, followed
+from sherd.correspondence.labels.places import SAID, UNEQUAL, followed, not_said_before
 from sherd.correspondence.labels.two_way import TwoLabelings, two_way_labelings
 from sherd.correspondence.shared import places_by_form
 from sherd.correspondence.shared.places_by_form import finished_place, labelings_by_form
@@ -226,3 +226,30 @@ def test_directions_that_keep_about_as_much_stay_as_they_are(planted, there, bac
     assert kept_areas((there, back), replace(right, backward_agrees=some))[1] > UNEQUAL
     unchanged = replace(right, backward_agrees=some)
     assert followed((there, back), unchanged) is unchanged
+
+
+def moved_labels(labelings: TwoLabelings, share: float) -> TwoLabelings:
+    """The same, so large a share of the nodes that are kept forward at the next label."""
+    kept = np.flatnonzero(labelings.forward_agrees)
+    labels = labelings.forward.labels.copy()
+    labels[kept[: int(np.ceil(share * len(kept)))]] += 1
+    return replace(labelings, forward=replace(labelings.forward, labels=labels))
+
+
+def test_what_was_said_before_is_not_said_again(planted, there, back) -> None:
+    right = all_right(planted, there, back)
+    assert (1 - right.forward_agrees).sum() == 0
+    nearly = moved_labels(right, 0.5 * (1 - SAID))
+    other = moved_labels(right, 1.0)
+    assert not_said_before([replace(right), nearly], right) == []
+    assert not_said_before([nearly, other, replace(other)], right) == [other]
+    # both directions count
+    few = replace(right, backward_agrees=np.zeros_like(right.backward_agrees))
+    assert not_said_before([few], right) == [few]
+
+
+def test_what_agrees_more_is_another_answer_and_comes_first(planted, there, back) -> None:
+    right = all_right(planted, there, back)
+    doubted, other = replace(right, agreement=0.4), replace(moved_labels(right, 1.0), agreement=0.5)
+    surer = replace(right, agreement=0.6)
+    assert not_said_before([other, surer], doubted) == [surer, other]

@@ -82,6 +82,20 @@ def test_what_lies_nowhere_else_is_answered_as_it_is(monkeypatch) -> None:
     assert pair_question(front, tube, 0, describe=described_once).in_full().chance < SURE
 
 
+def test_a_further_place_that_grew_into_the_first_one_is_not_laid_again(laid, monkeypatch) -> None:
+    question = replace(labeled_once())
+    monkeypatch.setattr(module, "labelings_by_form", lambda *_: [question.led, question.led])
+    monkeypatch.setattr(module, "finished_place", lambda _, begun: replace(begun))
+    monkeypatch.setattr(module, "beside_their_twins", likeliest)
+    monkeypatch.setattr(module, "may_be_right", lambda *_: False)
+    monkeypatch.setattr(module, "may_lie_right", lambda *_: False)
+    monkeypatch.setattr(module, "join_chance", lambda _: 0.1)
+    looks = []
+    monkeypatch.setattr(module, "first_look", lambda *_, **__: looks.append(1) or laid)
+    assert question.in_full().chance == pytest.approx(0.1)
+    assert len(looks) == 1
+
+
 def test_what_comes_back_nowhere_is_not_looked_at_closer(monkeypatch) -> None:
     """Also if one direction still shares something; who reads the answer finds it unlikely."""
 

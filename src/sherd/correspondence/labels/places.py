@@ -1,10 +1,12 @@
 """A place of one shape on another: whether it is known, and one direction that follows the other.
 
-Where a place was found in one direction and half lost in the other, the other one follows.
+Where a place was found in one direction and half lost in the other, the other one follows. Places
+that began apart may grow into one, which need not be laid twice.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -15,12 +17,16 @@ from sherd.correspondence.labels.inverse import inverse_labeling
 from sherd.correspondence.labels.labeling import Labeling, Problem
 from sherd.correspondence.labels.two_way import Agreed, Both, TwoLabelings
 
-__all__ = ["followed", "is_known"]
+__all__ = ["followed", "is_known", "not_said_before"]
 
 # What two shapes share has one area. A direction that keeps less than half of what the other one
 # keeps has lost its way: two right answers on pieces of a cat and of a horse have 0.2 and 0.4, laid
 # so they cover 0.5 and 0.7 of what is shared, and 0.9 where the other direction is followed.
 UNEQUAL = 0.5
+# Labelings are one answer if of the nodes that either keeps so many are at one label in both. Most
+# that are alike so are the same to the last node; of the others no chance differs by more than
+# 0.004.
+SAID = 0.9
 
 
 def followed(problems: Both[Problem], labelings: TwoLabelings) -> TwoLabelings:
@@ -64,3 +70,30 @@ def is_known(problems: Both[Problem], each: Agreed, known: TwoLabelings) -> bool
     found = (each.found, (known.forward, known.backward))
     kept = (each.agrees, (known.forward_agrees, known.backward_agrees))
     return same_place(problems, found, kept)
+
+
+def not_said_before(tried: Sequence[TwoLabelings], known: TwoLabelings) -> list[TwoLabelings]:
+    """Those that are not the known answer once more, nor another one's that agrees as much.
+
+    The more they agree the earlier.
+    """
+    said = [known]
+    for each in sorted(tried, key=lambda labelings: labelings.agreement, reverse=True):
+        if not any(_says_no_more(each, other) for other in said):
+            said.append(each)
+    return said[1:]
+
+
+def _says_no_more(one: TwoLabelings, other: TwoLabelings) -> bool:
+    """Whether the one is the answer of the other in both directions, which agree no more on it."""
+    if one.agreement > other.agreement:
+        return False
+    forward = _in_common(one.forward, one.forward_agrees, other.forward, other.forward_agrees)
+    backward = _in_common(one.backward, one.backward_agrees, other.backward, other.backward_agrees)
+    return min(forward, backward) >= SAID
+
+
+def _in_common(one: Labeling, kept: Bools, other: Labeling, others_kept: Bools) -> float:
+    """Of the nodes that either labeling keeps, the share that both keep at one label."""
+    same = kept & others_kept & (one.labels == other.labels)
+    return float(same.sum() / max((kept | others_kept).sum(), 1))

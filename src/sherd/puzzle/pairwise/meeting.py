@@ -16,7 +16,7 @@ import numpy as np
 from sherd.arrays import Bools, Ints
 from sherd.correspondence.confidence import LEAST
 from sherd.correspondence.labels.labeling import Problem
-from sherd.correspondence.labels.places import followed
+from sherd.correspondence.labels.places import followed, not_said_before
 from sherd.correspondence.labels.relief_similarity import with_relief
 from sherd.correspondence.labels.two_way import Both, TwoLabelings
 from sherd.correspondence.question import NO_PINS, Question
@@ -224,7 +224,8 @@ class PairQuestion:
         tried = [followed(self.problems, finished_place(self.problems, each)) for each in begun]
         if self.led is not self.labelings:
             tried.append(self.labelings)
-        return side_by_side(partial(self._answer, each) for each in tried)
+        further = not_said_before(tried, self.led)
+        return side_by_side(partial(self._answer, each) for each in further)
 
     def _mirrored_answer(self) -> Meeting:
         """Of the mirror image of the second; nothing is known of it, and no place is taken."""
