@@ -23,9 +23,9 @@ __all__ = ["followed", "is_known", "not_said_before"]
 # keeps has lost its way: two right answers on pieces of a cat and of a horse have 0.2 and 0.4, laid
 # so they cover 0.5 and 0.7 of what is shared, and 0.9 where the other direction is followed.
 UNEQUAL = 0.5
-# Labelings are one answer if of the nodes that either keeps so many are at one label in both. Most
-# that are alike so are the same to the last node; of the others no chance differs by more than
-# 0.004.
+# Labelings are one answer if of the nodes that either keeps so many are at one label in both. Of 45
+# further places of ten questions eight are the same as an earlier one to the last node; four are
+# alike by 0.93 to 0.99, and once laid none of these is likelier than the earlier one, but by 0.004.
 SAID = 0.9
 
 
