@@ -20,7 +20,7 @@ from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.mesh.units import units_of_two
 from sherd.output import Stages
 from sherd.puzzle.growing.across import laid_across
-from sherd.puzzle.growing.asking import Asking
+from sherd.puzzle.growing.asking import Asking, remembering
 from sherd.puzzle.growing.belonging import chance_as_a_part
 from sherd.puzzle.growing.growth import grow
 from sherd.puzzle.growing.joined_maps import direct_maps
@@ -265,7 +265,8 @@ class _Asking:
     @property
     def ways(self) -> Asking:
         """All of them."""
-        return Asking(self.met, self.glance, self.laid, self.across, self.as_a_part, self.mirrored)
+        meet = remembering(self.met)
+        return Asking(meet, self.glance, self.laid, self.across, self.as_a_part, self.mirrored)
 
     def met(self, first: Union, second: Union, known: Ints, taken: Bools | None) -> Meeting:
         """All that is known."""

@@ -850,3 +850,21 @@ def test_nothing_is_a_part_of_a_single_piece() -> None:
 
     found = grown(pieces(2), np.ones((2, 2)), ways(nothing, as_a_part=as_a_part))
     assert not found.unplaced
+
+
+def test_what_was_recalled_of_two_is_asked_once() -> None:
+    first, second, third = pieces(3)
+    known, free = np.array([[0, 1]]), np.zeros(4, dtype=bool)
+    count = []
+    meet = asking.remembering(lambda *_: count.append(1) or len(count))
+    assert meet(first, second, known, None) == 1
+    assert meet(first, second, known.copy(), None) == 1
+    assert meet(first, second, known, free) == 2
+    assert meet(first, second, known, free.copy()) == 2
+    assert meet(first, third, known, None) == 3
+    assert meet(first, second, known[::-1, ::-1], None) == 4
+    # growth itself asks nothing else twice
+    nothing = known[:0]
+    assert meet(first, second, nothing, None) == 5
+    assert meet(first, second, nothing, None) == 6
+    assert meet(first, second, known, None) == 1

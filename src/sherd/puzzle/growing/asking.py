@@ -7,8 +7,11 @@ what was likely of these and is left out contradicts it.
 from __future__ import annotations
 
 import math
+from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+
+import numpy as np
 
 from sherd.arrays import Bools, Ints
 from sherd.correspondence.confidence import LEAST
@@ -26,6 +29,7 @@ __all__ = [
     "against",
     "asked",
     "common_area",
+    "remembering",
     "share_enough",
     "unless_strangers",
 ]
@@ -36,6 +40,10 @@ __all__ = [
 # largest piece), with a common area of 0.04; the three right joins of such pairs, of a cat and a
 # wolf, have 0.10, 0.21 and 0.25. Half way by ratio.
 BESIDE = 0.065
+
+# So many answers with something recalled are remembered: when groups are completed these are asked
+# once more, and mostly just that was asked last. Each holds what both surfaces were described by.
+REMEMBERED = 4
 
 # The larger union, the other one, pairs (p, 2) of vertices that lie on each other, and the vertices
 # (n,) of the larger one where the other does not lie, if there are any.
@@ -69,6 +77,33 @@ class Asking:
     across: Callable[[Union, Union], Meeting | None]
     as_a_part: Callable[[Union, Union], float]
     mirrored: Callable[[Union, Union], Meeting]
+
+
+def remembering(meet: Meet) -> Meet:
+    """The same, but what was recalled of two unions is not asked twice."""
+    said: deque[tuple[Union, Union, Ints, Bools | None, Meeting]] = deque(maxlen=REMEMBERED)
+
+    def met(first: Union, second: Union, known: Ints, taken: Bools | None) -> Meeting:
+        for one, other, recalled_before, taken_before, found in said:
+            if (
+                one is first
+                and other is second
+                and np.array_equal(recalled_before, known)
+                and _equal(taken_before, taken)
+            ):
+                return found
+        found = meet(first, second, known, taken)
+        if len(known):
+            said.append((first, second, known, taken, found))
+        return found
+
+    return met
+
+
+def _equal(one: Bools | None, other: Bools | None) -> bool:
+    if one is None or other is None:
+        return one is other
+    return np.array_equal(one, other)
 
 
 def asked(first: Union, second: Union, meet: Meet, growth: Growth) -> Join:
