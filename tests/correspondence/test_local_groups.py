@@ -246,6 +246,7 @@ def test_what_was_said_before_is_not_said_again(planted, there, back) -> None:
     # both directions count
     few = replace(right, backward_agrees=np.zeros_like(right.backward_agrees))
     assert not_said_before([few], right) == [few]
+    assert not_said_before([replace(few)], few) == []
 
 
 def test_what_agrees_more_is_another_answer_and_comes_first(planted, there, back) -> None:

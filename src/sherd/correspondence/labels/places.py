@@ -95,6 +95,11 @@ def _says_no_more(one: TwoLabelings, other: TwoLabelings) -> bool:
 
 
 def _in_common(one: Labeling, kept: Bools, other: Labeling, others_kept: Bools) -> float:
-    """Of the nodes that either labeling keeps, the share that both keep at one label."""
-    same = kept & others_kept & (one.labels == other.labels)
-    return float(same.sum() / max((kept | others_kept).sum(), 1))
+    """Of the nodes that either labeling keeps, the share that both keep at one label.
+
+    All of them if neither keeps any.
+    """
+    either = kept | others_kept
+    if not either.any():
+        return 1.0
+    return float((kept & others_kept & (one.labels == other.labels)).sum() / either.sum())

@@ -42,7 +42,7 @@ __all__ = [
 BESIDE = 0.065
 
 # So many answers with something recalled are remembered: when groups are completed these are asked
-# once more, and mostly just that was asked last. Each holds what both surfaces were described by.
+# once more, mostly those that were asked last. Each holds what both surfaces were described by.
 REMEMBERED = 4
 
 # The larger union, the other one, pairs (p, 2) of vertices that lie on each other, and the vertices
