@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import lru_cache, partial
 from itertools import combinations, product
@@ -24,6 +24,7 @@ from sherd.puzzle.growing.asking import Asking, remembering
 from sherd.puzzle.growing.belonging import chance_as_a_part
 from sherd.puzzle.growing.growth import grow
 from sherd.puzzle.growing.joined_maps import direct_maps
+from sherd.puzzle.growing.kinship import Kinship
 from sherd.puzzle.growing.record import Growth
 from sherd.puzzle.growing.two_units import QuestionInTwoUnits
 from sherd.puzzle.growing.union import Join, Union
@@ -101,9 +102,9 @@ def join(
     what is more likely right than not is joined, too, if nothing contradicts it, and what lies
     across from its twin; see :attr:`Joined.likely` and :attr:`Joined.by_twin`. Who is left then is
     asked with the largest group bent as each of its members is. And what fills a gap of it
-    somewhere, looks like a part of it or of its twin, is half likely to lie on it, or has skin that
-    is recognized there, as it is or mirrored, belongs to it, though no map has it; see
-    :attr:`Joined.unplaced`.
+    somewhere, has its skin wherever that is, looks like a part of it or of its twin, is half likely
+    to lie on it, or has skin that is recognized there, as it is or mirrored, belongs to it, though
+    no map has it; see :attr:`Joined.unplaced`.
 
     Examples
     --------
@@ -145,7 +146,8 @@ def join(
         )
         # one body asks all that are left at last
         body = lru_cache(maxsize=1)(partial(Body, seed=options.seed))
-        asking = _Asking(partial(_question, options.seed, growth, describe), body, stages)
+        kin = Kinship(lambda k: describe(growth.pieces[k].mesh, growth.length_of_whole))
+        asking = _Asking(partial(_question, options.seed, growth, describe), body, kin, stages)
         grow(growth, evidence, asking.ways)
     originals = [intake.original for intake in intakes]
     with stages("synchronization"):
@@ -260,13 +262,22 @@ class _Asking:
 
     question: Ask
     body: Callable[[TriangleMesh], Body]
+    kin: Kinship
     stages: Stages
 
     @property
     def ways(self) -> Asking:
         """All of them."""
         meet = remembering(self.met)
-        return Asking(meet, self.glance, self.laid, self.across, self.as_a_part, self.mirrored)
+        return Asking(
+            meet,
+            self.glance,
+            self.laid,
+            self.across,
+            self.as_a_part,
+            self.mirrored,
+            self.kinship,
+        )
 
     def met(self, first: Union, second: Union, known: Ints, taken: Bools | None) -> Meeting:
         """All that is known."""
@@ -298,10 +309,19 @@ class _Asking:
         image = replace(second, mesh=mirrored_mesh(second.mesh))
         return self.question(first, image, NOTHING_KNOWN, None).at_a_glance()
 
+    def kinship(self, numbers: Collection[int], others: Collection[int]) -> float:
+        """Whether some have the skin of others; see :class:`Kinship`."""
+        self.stages.show(f"growth: the skin of {_listed(numbers)}")
+        return self.kin.of(numbers, others)
+
 
 def _named(union: Union) -> str:
     """Its members as the files are numbered: `2`, or `0+2+5`."""
-    return "+".join(str(member) for member in sorted(union.members))
+    return _listed(union.members)
+
+
+def _listed(numbers: Collection[int]) -> str:
+    return "+".join(str(number) for number in sorted(numbers))
 
 
 def _chances(growth: Growth) -> dict[tuple[int, int], float]:

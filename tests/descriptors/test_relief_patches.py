@@ -16,6 +16,7 @@ from sherd.descriptors.relief_patches import (
     patch_similarity_in_pairs,
     relief_patches,
     relief_pictures,
+    similarity_anywhere,
 )
 from sherd.descriptors.tangent_frames import smoothed_normals, tangent_axes
 from sherd.mesh.topology import adjacency
@@ -155,6 +156,19 @@ def test_too_little_in_common_says_nothing(standing: TriangleMesh) -> None:
     patches = patches_of(standing, QUERIES[:4])
     hidden = ReliefPatches(patches.means, np.zeros_like(patches.seen))
     assert not patch_similarity(patches, hidden, CELLS[:4], 4).any()
+
+
+def test_anywhere_is_the_best_of_all_and_reversed_the_best_with_hollows_for_bumps(
+    standing: TriangleMesh, walking: TriangleMesh
+) -> None:
+    full, part = patches_of(standing, QUERIES), patches_of(walking, QUERIES[::2])
+    one = np.zeros(len(full), dtype=np.int64)
+    best, reverse = similarity_anywhere(full, part)
+    hollow = ReliefPatches(-part.means, part.seen)
+    assert np.array_equal(best, patch_similarity(full, part, one, 1).max(axis=(1, 2)))
+    np.testing.assert_allclose(
+        reverse, patch_similarity(full, hollow, one, 1).max(axis=(1, 2)), atol=1e-6
+    )
 
 
 def test_pairs_are_as_alike_as_when_all_are_compared(

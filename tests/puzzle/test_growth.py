@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from typing import Any
 
@@ -54,11 +54,20 @@ def unlike_mirrored(first: Union, second: Union) -> Answer:
     return Answer(0.0)
 
 
+def unlike(numbers: Collection[int], others: Collection[int]) -> float:
+    """Nobody has the skin of anybody."""
+    return 0.0
+
+
 def ways(
-    meet: Any, across: Any = no_twins, as_a_part: Any = no_part, mirrored: Any = unlike_mirrored
+    meet: Any,
+    across: Any = no_twins,
+    as_a_part: Any = no_part,
+    mirrored: Any = unlike_mirrored,
+    kinship: Any = unlike,
 ) -> Asking:
     """Members are not asked here."""
-    return Asking(meet, meet, meet, across, as_a_part, mirrored)
+    return Asking(meet, meet, meet, across, as_a_part, mirrored, kinship)
 
 
 def answer(chance: float, *, twin: bool = False, by_skin: float = 0.0, filling: float = 0.0) -> Any:
@@ -850,6 +859,51 @@ def test_nothing_is_a_part_of_a_single_piece() -> None:
 
     found = grown(pieces(2), np.ones((2, 2)), ways(nothing, as_a_part=as_a_part))
     assert not found.unplaced
+
+
+@pytest.mark.parametrize(("kin", "unplaced"), [(0.13, []), (0.15, [2, 3])])
+def test_who_has_the_skin_of_a_group_belongs_to_it(kin, unplaced) -> None:
+    """Or that of who belongs so; and then nobody is asked whether it looks like a part."""
+    as_parts = []
+
+    def kinship(numbers: Collection[int], others: Collection[int]) -> float:
+        return kin if (*numbers, 0) == (2, *others[:1]) or (*numbers, others[-1]) == (3, 2) else 0.1
+
+    def as_a_part(first: Union, second: Union) -> float:
+        as_parts.extend(second.members)
+        return 0.1
+
+    some = pieces(3)
+    some += [Union.of_piece(TriangleMesh(SQUARE * 0.5, FACES), number) for number in (3, 4)]
+    found = grown(some, np.ones((5, 5)), ways(only_a_pair, kinship=kinship, as_a_part=as_a_part))
+    assert found.unplaced == unplaced
+    assert [4] in map(list, found.groups)
+    assert not {*as_parts} & {*unplaced}
+
+
+def test_who_has_the_skin_of_another_group_belongs_to_that() -> None:
+    def meet(first: Union, second: Union, known: Ints, taken: Bools | None) -> Any:
+        pair = (first.members, second.members)
+        return answer(0.95 if pair in (((0,), (1,)), ((2,), (3,))) else 0.1)
+
+    def kinship(numbers: Collection[int], others: Collection[int]) -> float:
+        return 0.2 if (*numbers,) == (4,) and 2 in others else 0.1
+
+    found = grown(pieces(6), np.ones((6, 6)), ways(meet, kinship=kinship))
+    assert sorted(map(sorted, found.groups)) == [[0, 1], [2, 3, 4], [5]]
+    assert found.unplaced == [4]
+
+
+def test_who_has_the_skin_of_a_single_piece_belongs_to_it() -> None:
+    def nothing(first: Union, second: Union, known: Ints, taken: Bools | None) -> Any:
+        return answer(0.1)
+
+    def kinship(numbers: Collection[int], others: Collection[int]) -> float:
+        return 0.2 if {*numbers, *others} == {0, 2} else 0.1
+
+    found = grown(pieces(3), np.ones((3, 3)), ways(nothing, kinship=kinship))
+    assert sorted(map(sorted, found.groups)) == [[0, 2], [1]]
+    assert found.unplaced == [2]
 
 
 def test_what_was_recalled_of_two_is_asked_once() -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
@@ -101,7 +101,7 @@ def test_where_a_member_is_sure_the_union_is_joined_there(cut, alone, halves, le
     def glance(first: Union, second: Union) -> Any:
         return replace(leg.met, chance=0.6 if first is alone[1] else 0.1)
 
-    asking = Asking(meet, glance, laid, no_twins, no_part, no_image)
+    asking = Asking(meet, glance, laid, no_twins, no_part, no_image, no_kin)
     assert told_by_members(union, alone[2], asking, growth) is None
     ask_members(union, alone[2], np.ones((3, 3)), asking, growth)
     assert asked == [((1,), (2,))]  # what looks likely at a glance
@@ -146,7 +146,7 @@ def test_what_a_union_said_is_laid_on_one_that_has_it(cut, alone, halves, leg) -
     """The leg on the rear alone, and then on the front and the rear; both of one union."""
     union = united(halves)
     growth = replace(Growth.begun(alone), joins=[halves])
-    asking = Asking(laid, laid, laid, no_twins, no_part, no_image)
+    asking = Asking(laid, laid, laid, no_twins, no_part, no_image, no_kin)
     first = laid_as_before(leg, union, alone[2], asking, growth)
     assert first is not None
     again = laid_as_before(first, union, alone[2], asking, growth)
@@ -160,6 +160,11 @@ def test_what_a_union_said_is_laid_on_one_that_has_it(cut, alone, halves, leg) -
 
 def no_part(first: Union, second: Union) -> float:
     """Nothing is asked as a part."""
+    return 0.0
+
+
+def no_kin(numbers: Collection[int], others: Collection[int]) -> float:
+    """Nobody has the skin of anybody."""
     return 0.0
 
 
@@ -188,7 +193,7 @@ def test_what_evidence_ranks_last_is_not_asked(alone) -> None:
         asked.append(first.members[0])
         return SimpleNamespace(chance=0.1)
 
-    asking = Asking(laid, glance, laid, no_twins, no_part, no_image)
+    asking = Asking(laid, glance, laid, no_twins, no_part, no_image, no_kin)
     ask_members(union, pieces[-1], evidence, asking, growth)
     assert asked == [count - 1 - k for k in range(members.MEMBERS)]
     assert not growth.sure_of_members
@@ -197,7 +202,7 @@ def test_what_evidence_ranks_last_is_not_asked(alone) -> None:
 def test_a_union_that_does_not_lie_there_is_not_joined(alone, leg, monkeypatch) -> None:
     union = replace(alone[1], members=(1, 0))
     growth = replace(Growth.begun(alone), sure_of_members=[leg])
-    asking = Asking(laid, laid, lambda *_: leg.met, no_twins, no_part, no_image)
+    asking = Asking(laid, laid, lambda *_: leg.met, no_twins, no_part, no_image, no_kin)
 
     def found() -> Join | None:
         return told_by_members(union, alone[2], asking, growth)

@@ -134,7 +134,7 @@ class Asked:
         return Meeting(nothing, nothing, nothing, 1.0, chance, False, by_skin=chance)
 
     def of(self, union: Union, others: list[Union], evidence: Floats, growth: Growth) -> bool:
-        ways = Asking(self.meet, self.glance, not_asked, not_asked, not_asked, not_asked)
+        ways = Asking(self.meet, self.glance, *[not_asked] * 5)
         return ask_in_poses([union, *others], evidence, ways, growth)
 
 

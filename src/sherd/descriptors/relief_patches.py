@@ -41,6 +41,7 @@ __all__ = [
     "patch_similarity_in_pairs",
     "relief_patches",
     "relief_pictures",
+    "similarity_anywhere",
 ]
 
 # Widths of bumps, in sqrt(area) of the larger piece: little more than the edges of a mesh of 10,000
@@ -181,6 +182,25 @@ def patch_similarity_in_pairs(full: ReliefPatches, part: ReliefPatches) -> Singl
     ):
         found = np.maximum(found, alike)
     return found
+
+
+@one_blas_thread()
+def similarity_anywhere(full: ReliefPatches, part: ReliefPatches) -> tuple[Singles, Singles]:
+    """Best similarity (q,) of each patch of the part with any patch, and with any one reversed.
+
+    As :func:`patch_similarity`, in any rotation. Reversed, bumps are hollows: what is then as alike
+    is so by accident.
+    """
+    own = _Moments.of(part)
+    best, reverse = np.zeros((2, len(part)), dtype=np.float32)
+    for start in range(0, len(full), BLOCK):
+        there = full[start : start + BLOCK]
+        for alike in side_by_side(
+            partial(_correlation, own, there, shift, _of_all) for shift in range(SHIFTS)
+        ):
+            best = np.maximum(best, alike.max(axis=1))
+            reverse = np.maximum(reverse, -alike.min(axis=1))
+    return best, reverse
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -69,6 +69,9 @@ class Asking:
         its whole.
     mirrored
         What the larger one shares with the mirror image of the other, where that is plain to see.
+    kinship
+        How much more alike the skin of pieces is to that of others than to its reverse, both by
+        their numbers; see :class:`sherd.puzzle.growing.kinship.Kinship`.
     """
 
     meet: Meet
@@ -77,6 +80,7 @@ class Asking:
     across: Callable[[Union, Union], Meeting | None]
     as_a_part: Callable[[Union, Union], float]
     mirrored: Callable[[Union, Union], Meeting]
+    kinship: Callable[[Collection[int], Collection[int]], float]
 
 
 def remembering(meet: Meet) -> Meet:

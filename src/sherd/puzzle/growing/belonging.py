@@ -1,9 +1,9 @@
 """Who belongs to the largest group, though where it lies there is not likely enough to be told.
 
 That is easier to see than a place: a limb on the place of its missing twin, or slid along its own,
-lies wrongly and belongs. What is of another kind fills no gap of the group, looks like no part of
-it, nor does its mirror image, nothing that is said of its place is half likely, and wherever it is
-laid its skin is not recognized.
+lies wrongly and belongs. What is of another kind fills no gap of the group, has not its skin, looks
+like no part of it, nor does its mirror image, nothing that is said of its place is half likely, and
+wherever it is laid its skin is not recognized.
 """
 
 from __future__ import annotations
@@ -13,13 +13,14 @@ from collections.abc import Collection, Sequence, Set
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.puzzle.growing.asking import Asking
 from sherd.puzzle.growing.common_places import is_within
+from sherd.puzzle.growing.kinship import KIN
 from sherd.puzzle.growing.record import Growth, undisputed
 from sherd.puzzle.growing.union import Join, Union
 from sherd.puzzle.pairwise.answer import LIKELY, RECOGNIZED
 from sherd.puzzle.pairwise.body import Body
 from sherd.threads import one_blas_thread
 
-__all__ = ["belonging", "chance_as_a_part"]
+__all__ = ["belonging", "chance_as_a_part", "with_kin"]
 
 # Of what is larger than this share of a group it tells nothing that it looks like a part: wherever
 # it belongs it shares much with the group, where its skin tells, or the group is far from a whole.
@@ -34,15 +35,16 @@ def belonging(
 ) -> list[Union]:
     """Those of the others that belong to the largest group.
 
-    They fill a gap of it, or are small and more likely than not a part of it or of its twin; or a
-    place on it, or on who belongs to it so, is half likely, or their skin is recognized there; or
-    their mirror image fills a gap or is recognized. Of a single piece all that is missing is a gap,
-    and it is no whole, so it tells nothing.
+    They have its skin, or fill a gap of it, or are small and more likely than not a part of it or
+    of its twin; or a place on it, or on who belongs to it so, is half likely, or their skin is
+    recognized there; or their mirror image fills a gap or is recognized. Of a single piece all that
+    is missing is a gap, and it is no whole, so but for its skin it tells nothing.
     """
     if len(largest.members) == 1:
-        return []
+        return with_kin(largest, [], others, asking)
     found = _filling_a_gap(largest, others, growth)
     found = _with_akin(largest, found, others, growth)
+    found = with_kin(largest, found, others, asking)
     # a match takes seconds, so who belongs already is not asked
     found += [
         other
@@ -81,6 +83,23 @@ def _with_akin(
                 _is_half_likely(other, body, growth)
                 or _recognized(other, body, growth) >= RECOGNIZED * largest.mesh.area
             )
+        ]
+        if not more:
+            return found
+        found += more
+
+
+def with_kin(
+    group: Union, belonging: Sequence[Union], others: Sequence[Union], asking: Asking
+) -> list[Union]:
+    """Who belongs to a group, and who has its skin or theirs, wherever that is."""
+    found = list(belonging)
+    while True:
+        body = [member for union in (group, *found) for member in union.members]
+        more = [
+            other
+            for other in others
+            if other not in found and asking.kinship(other.members, body) >= KIN
         ]
         if not more:
             return found

@@ -14,7 +14,7 @@ from functools import cache
 
 from sherd.arrays import Floats
 from sherd.puzzle.growing.asking import Asking, Meet, asked, share_enough, unless_strangers
-from sherd.puzzle.growing.belonging import belonging
+from sherd.puzzle.growing.belonging import belonging, with_kin
 from sherd.puzzle.growing.common_places import crowding, laid_alike, taken_by
 from sherd.puzzle.growing.completion import with_likely, with_twins
 from sherd.puzzle.growing.joined_maps import open_loop
@@ -88,15 +88,21 @@ def grow(growth: Growth, evidence: Floats, asking: Asking) -> None:
 
 
 def _name_groups(found: Sequence[Union], asking: Asking, growth: Growth) -> None:
-    """The members of all groups; who belongs to the largest, wherever it lies, is named there."""
-    largest, *others = main_group_first(found)
-    belong = belonging(largest, others, asking, growth)
-    growth.unplaced = [member for union in belong for member in union.members]
-    growth.groups = [
-        (*union.members, *growth.unplaced) if union is largest else union.members
-        for union in found
-        if union not in belong
-    ]
+    """The members of all groups; who belongs to one, wherever it lies, is named there.
+
+    That is told of the largest one in all ways, and of others by their skin.
+    """
+    here, *left = main_group_first(found)
+    belong = belonging(here, left, asking, growth)
+    while True:
+        more = [member for union in belong for member in union.members]
+        growth.groups.append((*here.members, *more))
+        growth.unplaced += more
+        left = largest_first([union for union in left if union not in belong])
+        if not left:
+            return
+        here, *left = left
+        belong = with_kin(here, [], left, asking)
 
 
 def _with_what_follows(
