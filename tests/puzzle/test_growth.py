@@ -861,7 +861,7 @@ def test_nothing_is_a_part_of_a_single_piece() -> None:
     assert not found.unplaced
 
 
-@pytest.mark.parametrize(("kin", "unplaced"), [(0.13, []), (0.15, [2, 3])])
+@pytest.mark.parametrize(("kin", "unplaced"), [(0.15, []), (0.17, [2, 3])])
 def test_who_has_the_skin_of_a_group_belongs_to_it(kin, unplaced) -> None:
     """Or that of who belongs so; and then nobody is asked whether it looks like a part."""
     as_parts = []
