@@ -78,11 +78,11 @@ class Joined(FrozenState):
         Those of them, in order, that are told by their twin alone: the mirror image of a limb lies
         on the other limb of the pair. So would that of another body of the same kind.
     unplaced
-        Pieces that belong to their group and are on no map to it, in order: somewhere they, or
-        their mirror image, fill a gap of it, they look like a part of it or of its mirror image,
-        they are half likely to lie on it, or the skin of either is recognized there, as what is of
-        another kind is not, but where they lie is not likely enough. Another body's piece of the
-        same kind may do so as well.
+        Pieces that belong to their group and are on no map to it, in order: they have its skin
+        somewhere, or they, or their mirror image, fill a gap of it, they look like a part of it or
+        of its mirror image, they are half likely to lie on it, or the skin of either is recognized
+        there, as what is of another kind is not, but where they lie is not likely enough. Another
+        body's piece of the same kind may do so as well.
     sure
         Whether two pieces at least surely belong together, whatever is said of others.
     """
