@@ -167,5 +167,9 @@ def test_what_belongs_without_a_place_is_said_to_do_so(answer: Joined, tmp_path:
     report = (tmp_path / "report.html").read_text()
     assert "belongs to its group, but where" in report
     assert "1 without a place" in report
+    # also where only skin tells that two belong together
+    verdict = joined_report(replace(unplaced, sure=False)).exhibit.verdict
+    assert verdict.words == "Doubtful"
+    assert "1 without a place" in verdict.advice
     with pytest.raises(InvalidMeshError, match="one of the pieces"):
         replace(answer, unplaced=(3,))

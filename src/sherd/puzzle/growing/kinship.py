@@ -70,9 +70,10 @@ class Kinship:
     @one_blas_thread()
     def of(self, numbers: Collection[int], others: Collection[int]) -> float:
         """Of what tells most of pieces; 0 where that is too plain to tell anything."""
-        best, reverse = np.concatenate(
-            [np.max([self._alike(k, other) for other in others], axis=0) for k in numbers], axis=1
-        )
-        if np.quantile(reverse, TELLING) > PLAIN:
-            return 0.0
+        best, reverse = np.zeros((2, 1), dtype=np.float32)
+        for other in others:
+            here = np.concatenate([self._alike(k, other) for k in numbers], axis=1)
+            best, reverse = np.maximum(best, here[0]), np.maximum(reverse, here[1])
+            if np.quantile(reverse, TELLING) > PLAIN:  # it only grows with more others
+                return 0.0
         return float(np.quantile(best - reverse, TELLING))

@@ -233,12 +233,13 @@ def _known(value: float) -> float | None:
 
 
 def _said(result: Joined) -> str:
+    unplaced = f", {len(result.unplaced)} without a place" if result.unplaced else ""
     if not result.sure:
-        return "doubtful: no two pieces were surely found to share anything, if they overlap at all"
+        nothing = "no two pieces were surely found to share anything, if they overlap at all"
+        return f"doubtful: {nothing}{unplaced}"
     alone = sum(len(group) == 1 for group in result.groups)
     together = len(result.groups) - alone
     likely = f", {len(result.likely)} likely but not sure" if result.likely else ""
-    unplaced = f", {len(result.unplaced)} without a place" if result.unplaced else ""
     return f"good: {together} group{'s' * (together > 1)}, {alone} alone{likely}{unplaced}"
 
 
