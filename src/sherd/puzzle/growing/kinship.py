@@ -22,11 +22,11 @@ from sherd.threads import one_blas_thread
 
 __all__ = ["KIN", "Kinship"]
 
-# The share of its nodes of which a piece is told by the others, and that of which it is not: most
-# bend where a pose bends, lie at the cut, or where there is little to see.
+# The node that counts: nine in ten may be less alike, as they lie where a pose bends, at the cut, or
+# where there is little to see.
 TELLING = 0.9
-# Reversed skin is alike so much at most, or there is too little relief to tell by. Of animals and
-# people the most is 0.754, of animals made of round cones 0.81 to 0.89: to these every limb of
+# Where reversed skin is more alike than this there is too little relief to tell by. Of animals and
+# people it is 0.754 at most, of animals made of round cones 0.81 to 0.89: to these a limb of
 # another one is as alike as an own one.
 PLAIN = 0.78
 # Who is more alike than reversed by so much has their skin. Of 573 pieces of other species, on the
