@@ -22,8 +22,8 @@ from sherd.threads import one_blas_thread
 
 __all__ = ["KIN", "Kinship"]
 
-# The node that counts: nine in ten may be less alike, as they lie where a pose bends, at the cut, or
-# where there is little to see.
+# The node that counts: nine in ten may be less alike, as they lie where a pose bends, at the cut,
+# or where there is little to see.
 TELLING = 0.9
 # Where reversed skin is more alike than this there is too little relief to tell by. Of animals and
 # people it is 0.754 at most, of animals made of round cones 0.81 to 0.89: to these a limb of
