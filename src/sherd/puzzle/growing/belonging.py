@@ -8,7 +8,7 @@ wherever it is laid its skin is not recognized.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence, Set
+from collections.abc import Callable, Collection, Sequence
 
 from sherd.mesh.triangle_mesh import TriangleMesh
 from sherd.puzzle.growing.asking import Asking
@@ -71,36 +71,38 @@ def _with_akin(
     Or whose skin is recognized there. But what lies within may as well be a part of another body of
     the same kind, and so may a group of its own that has no sure place there.
     """
-    found = list(belonging)
-    while True:
-        body = {member for union in (largest, *found) for member in union.members}
-        more = [
-            other
-            for other in others
-            if other not in found
-            and len(other.members) == 1
-            and (
-                _is_half_likely(other, body, growth)
-                or _recognized(other, body, growth) >= RECOGNIZED * largest.mesh.area
-            )
-        ]
-        if not more:
-            return found
-        found += more
+
+    def is_akin(other: Union, body: Collection[int]) -> bool:
+        return len(other.members) == 1 and (
+            _is_half_likely(other, body, growth)
+            or _recognized(other, body, growth) >= RECOGNIZED * largest.mesh.area
+        )
+
+    return _with_all(largest, belonging, others, is_akin)
 
 
 def with_kin(
     group: Union, belonging: Sequence[Union], others: Sequence[Union], asking: Asking
 ) -> list[Union]:
     """Who belongs to a group, and who has its skin or theirs, wherever that is."""
+
+    def is_kin(other: Union, body: Collection[int]) -> bool:
+        return asking.kinship(other.members, body) >= KIN
+
+    return _with_all(group, belonging, others, is_kin)
+
+
+def _with_all(
+    group: Union,
+    belonging: Sequence[Union],
+    others: Sequence[Union],
+    belongs: Callable[[Union, Collection[int]], bool],
+) -> list[Union]:
+    """Who belongs to a group, and who then belongs to that or to one of them, until nobody does."""
     found = list(belonging)
     while True:
         body = [member for union in (group, *found) for member in union.members]
-        more = [
-            other
-            for other in others
-            if other not in found and asking.kinship(other.members, body) >= KIN
-        ]
+        more = [other for other in others if other not in found and belongs(other, body)]
         if not more:
             return found
         found += more
@@ -118,13 +120,13 @@ def _belongs_mirrored(image: Join) -> bool:
     return image.met.fills or image.met.recognized >= RECOGNIZED * image.first.mesh.area
 
 
-def _is_half_likely(other: Union, body: Set[int], growth: Growth) -> bool:
+def _is_half_likely(other: Union, body: Collection[int], growth: Growth) -> bool:
     return any(
         _is_about(each.members, body, other) and not is_within(each) for each in growth.half_likely
     )
 
 
-def _recognized(other: Union, body: Set[int], growth: Growth) -> float:
+def _recognized(other: Union, body: Collection[int], growth: Growth) -> float:
     """The most of its skin that is recognized on some of the members of a body."""
     found = (
         area
@@ -134,7 +136,7 @@ def _recognized(other: Union, body: Set[int], growth: Growth) -> float:
     return max(found, default=0.0)
 
 
-def _is_about(sides: Collection[int], members: Set[int], other: Union) -> bool:
+def _is_about(sides: Collection[int], members: Collection[int], other: Union) -> bool:
     """Whether an answer is about a union and some of these members, which are not its own."""
     return set(other.members) < set(sides) <= {*members, *other.members}
 
