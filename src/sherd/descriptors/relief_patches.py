@@ -61,7 +61,7 @@ CUT = 0.02
 # less: where nothing is alike correlations scatter by the root of what is seen. But near a cut
 # right labels have less in common, too, and by the fourth root they come first more often than by
 # the second.
-LEAST_COMMON, COMMON_POWER = 0.15, 0.25
+LEAST_COMMON = 0.15
 # Patches that are compared at a time: their products stay in the cache of a core.
 BLOCK = 512
 # Of patches without relief, as of a plane, whose correlation would be that of their noise.
@@ -151,24 +151,30 @@ def patch_similarity(
 ) -> Singles:
     """Best similarity (q, cells, 16) of each patch of the part with the patches of each cell.
 
-    The correlation of both where both are seen, times a power of how much that is. Entry
-    (i, l, s) compares at rotation `2 pi s / 16`, as :func:`pooled_similarity` does. 0 where too
-    little is seen of both, and of cells (m,) that hold no patch.
+    The correlation of both where both are seen, times the fourth root of how much that is.
+    Entry (i, l, s) compares at rotation `2 pi s / 16`, as :func:`pooled_similarity` does. 0 where
+    too little is seen of both, and of cells (m,) that hold no patch.
     """
     order = np.argsort(cells, kind="stable")
-    result = np.zeros((len(part), cell_count, SHIFTS), dtype=np.float32)
-    own = _Moments.of(part)
-    blocks = np.array_split(order, max(1, -(-len(order) // BLOCK)))
-    for block in blocks:
-        there = full[block]
-        shifted = side_by_side(
-            partial(_correlation, own, there, shift, _of_all) for shift in range(SHIFTS)
-        )
-        starts = np.flatnonzero(np.diff(cells[block], prepend=-1))
-        best = np.maximum.reduceat(np.stack(shifted, axis=2), starts, axis=1)
-        held = cells[block][starts]
-        result[:, held] = np.maximum(result[:, held], best)
-    return result
+    there, cells = _Moments.of(full[order]), cells[order]
+    blocks = [
+        (rows, *np.unique(cells[rows], return_index=True, return_counts=True))
+        for rows in _blocks(len(order))
+    ]
+
+    def best(shift: int) -> Singles:
+        own = _Moments.of(part, -shift)
+        found = np.zeros((len(part), cell_count), dtype=np.float32)
+        for rows, held, first, count in blocks:
+            alike = _correlation(own, there[rows], _of_all)
+            # several times faster than a reduction over runs of three
+            for place in range(count.max()):
+                one = alike[:, first + np.minimum(place, count - 1)]
+                found[:, held] = np.maximum(found[:, held], one)
+        return found
+
+    turned = side_by_side(partial(best, shift) for shift in range(SHIFTS))
+    return np.stack(turned, axis=2)
 
 
 def patch_similarity_in_pairs(full: ReliefPatches, part: ReliefPatches) -> Singles:
@@ -176,12 +182,14 @@ def patch_similarity_in_pairs(full: ReliefPatches, part: ReliefPatches) -> Singl
 
     As :func:`patch_similarity`, but of p pairs only; at least 0.
     """
-    own, found = _Moments.of(part), np.zeros(len(part), dtype=np.float32)
-    for alike in side_by_side(
-        partial(_correlation, own, full, shift, _of_rows) for shift in range(SHIFTS)
-    ):
-        found = np.maximum(found, alike)
-    return found
+    there = _Moments.of(full)
+
+    def alike(shift: int) -> Singles:
+        return _correlation(_Moments.of(part, -shift), there, _of_rows)
+
+    turned = side_by_side(partial(alike, shift) for shift in range(SHIFTS))
+    best: Singles = np.maximum(np.max(turned, axis=0), np.float32(0.0))
+    return best
 
 
 @one_blas_thread()
@@ -191,41 +199,55 @@ def similarity_anywhere(full: ReliefPatches, part: ReliefPatches) -> tuple[Singl
     As :func:`patch_similarity`, in any rotation. Reversed, bumps are hollows: what is then as alike
     is so by accident.
     """
-    own = _Moments.of(part)
-    best, reverse = np.zeros((2, len(part)), dtype=np.float32)
-    for start in range(0, len(full), BLOCK):
-        there = full[start : start + BLOCK]
-        for alike in side_by_side(
-            partial(_correlation, own, there, shift, _of_all) for shift in range(SHIFTS)
-        ):
-            best = np.maximum(best, alike.max(axis=1))
-            reverse = np.maximum(reverse, -alike.min(axis=1))
-    return best, reverse
+    there = _Moments.of(full)
+
+    def best(shift: int) -> Singles:
+        own = _Moments.of(part, -shift)
+        found = np.zeros((2, len(part)), dtype=np.float32)
+        for rows in _blocks(len(full)):
+            alike = _correlation(own, there[rows], _of_all)
+            found = np.maximum(found, [alike.max(axis=1), -alike.min(axis=1)])
+        return found
+
+    turned = side_by_side(partial(best, shift) for shift in range(SHIFTS))
+    alike, reverse = np.max(turned, axis=0)
+    return alike, reverse
+
+
+def _blocks(count: int) -> list[slice]:
+    """Rows whose products stay in the cache of a core."""
+    return [slice(start, start + BLOCK) for start in range(0, count, BLOCK)]
 
 
 @dataclass(frozen=True, eq=False)
 class _Moments:
     """Of patches, their cells in one row.
 
-    Roots of the shares (q, d) that are seen of a whole patch, times pictures (c, q, d), and times
-    their squares: the product of those of two patches is what both see.
+    Roots of the shares (q, d) that are seen of a whole patch, times pictures (q, c, d), and times
+    the sum of their squares (q, d): the product of those of two patches is what both see.
     """
 
     seen: Singles
     first: Singles
     second: Singles
 
+    def __getitem__(self, rows: slice) -> _Moments:
+        return _Moments(self.seen[rows], self.first[rows], self.second[rows])
+
     @classmethod
     def of(cls, patches: ReliefPatches, shift: int = 0) -> _Moments:
-        """Of patches that are turned by `shift` sectors."""
+        """Of patches that are turned by `shift` sectors.
+
+        To turn the one by so many is to turn the other one back.
+        """
         seen = np.roll(patches.seen * np.sqrt(_shares()).astype(np.float32), shift, axis=2)
-        means = np.roll(patches.means, shift, axis=3).swapaxes(0, 1)
-        flat = (len(patches), seen[0].size)
-        weighted = means * seen
+        means = np.roll(patches.means, shift, axis=3)
+        weighted = means * seen[:, None]
+        rows = len(patches)
         return cls(
-            seen.reshape(flat),
-            weighted.reshape(-1, *flat),
-            (weighted * means).reshape(-1, *flat),
+            seen.reshape(rows, -1),
+            weighted.reshape(*means.shape[:2], -1),
+            (weighted * means).sum(axis=1).reshape(rows, -1),
         )
 
 
@@ -242,29 +264,34 @@ def _of_rows(part: Singles, full: Singles) -> Singles:
 
 
 def _correlation(
-    part: _Moments,
-    patches: ReliefPatches,
-    shift: int,
-    products: Callable[[Singles, Singles], Singles],
+    part: _Moments, full: _Moments, products: Callable[[Singles, Singles], Singles]
 ) -> Singles:
-    """(q, m) or (p,) correlation of patches with others turned by `shift`, over what both see.
+    """(q, m) or (p,) correlation of patches with others, over what both see.
 
     All pictures are one, each less its mean over what both see; `products` says which are compared.
     """
-    full = _Moments.of(patches, shift)
     common = products(part.seen, full.seen)
+    of_means, of_own, of_other = (np.zeros_like(common) for _ in range(3))
+    for k in range(part.first.shape[1]):
+        own_mean = products(part.first[:, k], full.seen)
+        other_mean = products(part.seen, full.first[:, k])
+        of_means += own_mean * other_mean
+        of_own += np.square(own_mean)
+        of_other += np.square(other_mean)
     least = np.maximum(common, LEAST_SPREAD)
-    product, own, other = (np.zeros_like(common) for _ in range(3))
-    for k in range(len(part.first)):
-        own_mean = products(part.first[k], full.seen)
-        other_mean = products(part.seen, full.first[k])
-        product += products(part.first[k], full.first[k]) - own_mean * other_mean / least
-        own += products(part.second[k], full.seen) - own_mean**2 / least
-        other += products(part.seen, full.second[k]) - other_mean**2 / least
+    product = products(_flat(part.first), _flat(full.first)) - of_means / least
+    own = products(part.second, full.seen) - of_own / least
+    other = products(part.seen, full.second) - of_other / least
     spread = np.sqrt(np.maximum(own, LEAST_SPREAD) * np.maximum(other, LEAST_SPREAD))
-    alike = product / spread * np.minimum(common, 1.0) ** COMMON_POWER
+    # the fourth root
+    alike = product / spread * np.sqrt(np.sqrt(np.minimum(common, 1.0)))
     found: Singles = np.where(common > LEAST_COMMON, alike, np.float32(0.0))
     return found
+
+
+def _flat(pictures: Singles) -> Singles:
+    """(q, c d) of (q, c, d): all pictures are one."""
+    return pictures.reshape(len(pictures), -1)
 
 
 def _shares() -> Floats:

@@ -16,7 +16,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse.linalg import LinearOperator, cg
+from scipy.sparse import bsr_array, eye_array, kron
+from scipy.sparse.linalg import cg
 
 from sherd.arrays import Bools, Floats
 from sherd.mesh.geometry import lengths
@@ -117,26 +118,22 @@ def flow_field(
     hold += (steep * laid)[:, None, None] * up[:, :, None] * up[:, None, :]
     kept = np.maximum(still, LEAST_HOLD * mesh.area / mesh.vertex_count)
     hold += (steep * kept)[:, None, None] * np.eye(3)
-    stiff = steep * length**2 * stiffness(mesh.vertices, mesh.faces)
-    eased = np.linalg.inv(hold + stiff.diagonal()[:, None, None] * np.eye(3))
-
-    def held(flat: Floats) -> Floats:
-        field = flat.reshape(-1, 3)
-        pressed: Floats = np.einsum("nij,nj->ni", hold, field) + stiff @ field
-        return pressed.ravel()
-
-    def preconditioned(flat: Floats) -> Floats:
-        field: Floats = np.einsum("nij,nj->ni", eased, flat.reshape(-1, 3))
-        return field.ravel()
-
-    shape = (before.size, before.size)
+    # rows are x, y and z of each vertex in turn; conditioned by the blocks on the diagonal
+    stiff = kron(steep * length**2 * stiffness(mesh.vertices, mesh.faces), eye_array(3), "csr")
+    blocks = hold + stiff.diagonal().reshape(-1, 3)[:, :, None] * np.eye(3)
     found, _ = cg(
-        LinearOperator(shape, held, dtype=np.float64),
+        _block_diagonal(hold).tocsr() + stiff,
         pull.ravel(),
         x0=before.ravel(),
         rtol=CG_TOLERANCE,
         maxiter=CG_LIMIT,
-        M=LinearOperator(shape, preconditioned, dtype=np.float64),
+        M=_block_diagonal(np.linalg.inv(blocks).astype(np.float64, copy=False)),
     )
     field: Floats = found.reshape(-1, 3)
     return field
+
+
+def _block_diagonal(blocks: Floats) -> bsr_array:
+    """The matrix (3n, 3n) with blocks (n, 3, 3) on its diagonal."""
+    places = np.arange(len(blocks) + 1)
+    return bsr_array((blocks, places[:-1], places), shape=(3 * len(blocks), 3 * len(blocks)))
