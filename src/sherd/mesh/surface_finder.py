@@ -197,8 +197,7 @@ def _joined(found: Iterable[SurfacePoints]) -> SurfacePoints:
 
 
 def _tree(places: Floats, normals: Floats) -> cKDTree:
-    # a dozen neighbors in six dimensions lie in many leaves: twice as large ones are faster
-    return cKDTree(_with_normals(places, normals), leafsize=32, balanced_tree=False)
+    return cKDTree(_with_normals(places, normals), balanced_tree=False)
 
 
 def _with_normals(places: Floats, normals: Floats) -> Floats:

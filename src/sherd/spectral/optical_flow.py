@@ -14,9 +14,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
-from scipy.sparse import bsr_array, eye_array, kron
+from scipy.sparse import bsr_array, csr_array, eye_array, kron
 from scipy.sparse.linalg import cg
 
 from sherd.arrays import Bools, Floats
@@ -118,8 +119,7 @@ def flow_field(
     hold += (steep * laid)[:, None, None] * up[:, :, None] * up[:, None, :]
     kept = np.maximum(still, LEAST_HOLD * mesh.area / mesh.vertex_count)
     hold += (steep * kept)[:, None, None] * np.eye(3)
-    # rows are x, y and z of each vertex in turn; conditioned by the blocks on the diagonal
-    stiff = kron(steep * length**2 * stiffness(mesh.vertices, mesh.faces), eye_array(3), "csr")
+    stiff = steep * length**2 * _stiffness_of_fields(mesh)
     blocks = hold + stiff.diagonal().reshape(-1, 3)[:, :, None] * np.eye(3)
     found, _ = cg(
         _block_diagonal(hold).tocsr() + stiff,
@@ -127,10 +127,18 @@ def flow_field(
         x0=before.ravel(),
         rtol=CG_TOLERANCE,
         maxiter=CG_LIMIT,
+        # conditioned by the blocks on the diagonal
         M=_block_diagonal(np.linalg.inv(blocks).astype(np.float64, copy=False)),
     )
     field: Floats = found.reshape(-1, 3)
     return field
+
+
+# a surface slides in many steps
+@lru_cache(maxsize=4)
+def _stiffness_of_fields(mesh: TriangleMesh) -> csr_array:
+    """The stiffness (3n, 3n) of x, y and z of each vertex in turn."""
+    return kron(stiffness(mesh.vertices, mesh.faces), eye_array(3), "csr")
 
 
 def _block_diagonal(blocks: Floats) -> bsr_array:

@@ -141,11 +141,6 @@ def pass_messages(edges, costs, unary, pointers, incident, rounds):
     figure 3 with monotonic chains.
     """
     nodes, count = unary.shape
-    turned = np.empty_like(costs)  # rows are then read in order in both directions
-    for edge in range(len(edges)):
-        for a in range(count):
-            for b in range(count):
-                turned[edge, b, a] = costs[edge, a, b]
     forward = np.zeros((len(edges), count), np.float32)  # into the second node of an edge
     backward = np.zeros((len(edges), count), np.float32)  # into the first
     share = np.ones(nodes, np.float32)
@@ -168,7 +163,7 @@ def pass_messages(edges, costs, unary, pointers, incident, rounds):
                     _send(costs[edge], rest, forward[edge])
                 elif not ahead and edges[edge, 1] == node:
                     _remaining(total, share[node], forward[edge], rest)
-                    _send(turned[edge], rest, backward[edge])
+                    _send_back(costs[edge], rest, backward[edge])
     return _decode(edges, costs, unary, pointers, incident, backward)
 
 
@@ -213,6 +208,25 @@ def _send(cost, rest, message):
         for b in range(count):
             value = own + cost[a, b]
             message[b] = value if value < message[b] else message[b]
+    _lower(message)
+
+
+# no cost is NaN: told so, the compiler looks for the least of a row in vector lanes
+@compiled(fastmath={"nnan", "nsz"})
+def _send_back(cost, rest, message):
+    """`message[a] = min over b of rest[b] + cost[a, b]`, shifted so that its minimum is 0."""
+    for a in range(len(message)):
+        row = cost[a]
+        least = rest[0] + row[0]
+        for b in range(1, len(rest)):
+            value = rest[b] + row[b]
+            least = value if value < least else least
+        message[a] = least
+    _lower(message)
+
+
+@compiled()
+def _lower(message):
     least = message[0]
     for b in range(len(message)):
         least = message[b] if message[b] < least else least
