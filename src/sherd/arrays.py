@@ -1,4 +1,4 @@
-"""Names of array types, arrays that nobody can write to, and frozen objects as bytes."""
+"""Names of array types, rows in blocks, read-only arrays, and frozen objects as bytes."""
 
 from __future__ import annotations
 
@@ -10,7 +10,17 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Bools", "Bytes", "Floats", "FrozenState", "Ints", "Singles", "field_state", "frozen"]
+__all__ = [
+    "Bools",
+    "Bytes",
+    "Floats",
+    "FrozenState",
+    "Ints",
+    "Singles",
+    "blocks_of_rows",
+    "field_state",
+    "frozen",
+]
 
 Floats = NDArray[np.float64]
 Singles = NDArray[np.float32]
@@ -19,6 +29,17 @@ Bools = NDArray[np.bool_]
 Bytes = NDArray[np.uint8]
 
 _Kind = TypeVar("_Kind", bound=np.generic)
+
+
+def blocks_of_rows(count: int, size: int) -> list[slice]:
+    """Slices that make up the rows 0 to `count`, of `size` rows each but the last.
+
+    Examples
+    --------
+    >>> blocks_of_rows(5, 3)
+    [slice(0, 3, None), slice(3, 5, None)]
+    """
+    return [slice(start, min(start + size, count)) for start in range(0, count, size)]
 
 
 def frozen(array: NDArray[_Kind]) -> NDArray[_Kind]:

@@ -27,7 +27,7 @@ from functools import lru_cache, partial
 
 import numpy as np
 
-from sherd.arrays import Floats, Ints, Singles
+from sherd.arrays import Floats, Ints, Singles, blocks_of_rows
 from sherd.descriptors.relief import relief_and_bulge
 from sherd.mesh.topology import adjacency
 from sherd.mesh.triangle_mesh import TriangleMesh
@@ -159,7 +159,7 @@ def patch_similarity(
     there, cells = _Moments.of(full[order]), cells[order]
     blocks = [
         (rows, *np.unique(cells[rows], return_index=True, return_counts=True))
-        for rows in _blocks(len(order))
+        for rows in blocks_of_rows(len(order), BLOCK)
     ]
 
     def best(shift: int) -> Singles:
@@ -204,7 +204,7 @@ def similarity_anywhere(full: ReliefPatches, part: ReliefPatches) -> tuple[Singl
     def best(shift: int) -> Singles:
         own = _Moments.of(part, -shift)
         found = np.zeros((2, len(part)), dtype=np.float32)
-        for rows in _blocks(len(full)):
+        for rows in blocks_of_rows(len(full), BLOCK):
             alike = _correlation(own, there[rows], _of_all)
             found = np.maximum(found, [alike.max(axis=1), -alike.min(axis=1)])
         return found
@@ -212,11 +212,6 @@ def similarity_anywhere(full: ReliefPatches, part: ReliefPatches) -> tuple[Singl
     turned = side_by_side(partial(best, shift) for shift in range(SHIFTS))
     alike, reverse = np.max(turned, axis=0)
     return alike, reverse
-
-
-def _blocks(count: int) -> list[slice]:
-    """Rows whose products stay in the cache of a core."""
-    return [slice(start, start + BLOCK) for start in range(0, count, BLOCK)]
 
 
 @dataclass(frozen=True, eq=False)

@@ -26,7 +26,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from sherd.arrays import Floats, Ints, Singles
+from sherd.arrays import Floats, Ints, Singles, blocks_of_rows
 from sherd.descriptors.rotation_kernel import FREQUENCIES, best_rotation, describe, pool_cells
 from sherd.descriptors.shot_kernel import AZIMUTHS, BINS
 from sherd.mesh.vertex_cells_kernel import sorted_into_cells
@@ -169,8 +169,8 @@ def _compared(
     half = part_spectra.shape[2] // 2
     widths = [2 * half if k in _IMAGINARY else half for k in _REAL]
     turned = np.concatenate([part_spectra[:, :, half:], -part_spectra[:, :, :half]], axis=2)
-    points = _blocks(part_spectra.shape[1], POINTS)
-    vertices = _blocks(full_spectra.shape[1], VERTICES)
+    points = blocks_of_rows(part_spectra.shape[1], POINTS)
+    vertices = blocks_of_rows(full_spectra.shape[1], VERTICES)
     memory = np.empty(AZIMUTHS * POINTS * VERTICES, dtype=np.float32)
     with one_blas_thread():
         for rows, columns in product(points, vertices):
@@ -186,10 +186,6 @@ def _compared(
             ]
             side_by_side([partial(np.matmul, *factors) for factors in products])
             yield rows, columns, parts
-
-
-def _blocks(count: int, size: int) -> list[slice]:
-    return [slice(start, min(start + size, count)) for start in range(0, count, size)]
 
 
 def shift_table(shifts: int = 16) -> Singles:

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 import numpy as np
 from scipy.spatial import cKDTree
 
-from sherd.arrays import Bools, Floats, Ints
+from sherd.arrays import Bools, Floats, Ints, blocks_of_rows
 from sherd.mesh.geometry import face_balls, face_cross, lengths
 from sherd.mesh.sizes import LARGEST_PART
 from sherd.mesh.surface_points import BLOCK, SurfacePoints
@@ -182,8 +182,8 @@ class SurfaceFollower:
 
 
 def _blocks(count: int) -> list[slice]:
-    """Slices of rows that are searched at once, at least one."""
-    return [slice(start, start + BLOCK) for start in range(0, max(count, 1), BLOCK)]
+    """Rows that are searched at once; of none one block without any."""
+    return blocks_of_rows(count, BLOCK) or [slice(0, 0)]
 
 
 def _joined(found: Iterable[SurfacePoints]) -> SurfacePoints:
