@@ -162,8 +162,7 @@ def patch_similarity(
         for rows in blocks_of_rows(len(order), BLOCK)
     ]
 
-    def best(shift: int) -> Singles:
-        own = _Moments.of(part, -shift)
+    def best(own: _Moments) -> Singles:
         found = np.zeros((len(part), cell_count), dtype=np.float32)
         for rows, held, first, count in blocks:
             alike = _correlation(own, there[rows], _of_all)
@@ -173,8 +172,7 @@ def patch_similarity(
                 found[:, held] = np.maximum(found[:, held], one)
         return found
 
-    turned = side_by_side(partial(best, shift) for shift in range(SHIFTS))
-    return np.stack(turned, axis=2)
+    return np.stack(_in_all_rotations(part, best), axis=2)
 
 
 def patch_similarity_in_pairs(full: ReliefPatches, part: ReliefPatches) -> Singles:
@@ -184,11 +182,8 @@ def patch_similarity_in_pairs(full: ReliefPatches, part: ReliefPatches) -> Singl
     """
     there = _Moments.of(full)
 
-    def alike(shift: int) -> Singles:
-        return _correlation(_Moments.of(part, -shift), there, _of_rows)
-
-    turned = side_by_side(partial(alike, shift) for shift in range(SHIFTS))
-    best: Singles = np.maximum(np.max(turned, axis=0), np.float32(0.0))
+    alike = _in_all_rotations(part, lambda own: _correlation(own, there, _of_rows))
+    best: Singles = np.maximum(np.max(alike, axis=0), np.float32(0.0))
     return best
 
 
@@ -201,16 +196,14 @@ def similarity_anywhere(full: ReliefPatches, part: ReliefPatches) -> tuple[Singl
     """
     there = _Moments.of(full)
 
-    def best(shift: int) -> Singles:
-        own = _Moments.of(part, -shift)
+    def best(own: _Moments) -> Singles:
         found = np.zeros((2, len(part)), dtype=np.float32)
         for rows in blocks_of_rows(len(full), BLOCK):
             alike = _correlation(own, there[rows], _of_all)
             found = np.maximum(found, [alike.max(axis=1), -alike.min(axis=1)])
         return found
 
-    turned = side_by_side(partial(best, shift) for shift in range(SHIFTS))
-    alike, reverse = np.max(turned, axis=0)
+    alike, reverse = np.max(_in_all_rotations(part, best), axis=0)
     return alike, reverse
 
 
@@ -231,10 +224,7 @@ class _Moments:
 
     @classmethod
     def of(cls, patches: ReliefPatches, shift: int = 0) -> _Moments:
-        """Of patches that are turned by `shift` sectors.
-
-        To turn the one by so many is to turn the other one back.
-        """
+        """Of patches that are turned by `shift` sectors."""
         seen = np.roll(patches.seen * np.sqrt(_shares()).astype(np.float32), shift, axis=2)
         means = np.roll(patches.means, shift, axis=3)
         weighted = means * seen[:, None]
@@ -244,6 +234,20 @@ class _Moments:
             weighted.reshape(*means.shape[:2], -1),
             (weighted * means).sum(axis=1).reshape(rows, -1),
         )
+
+
+def _in_all_rotations(
+    part: ReliefPatches, compared: Callable[[_Moments], Singles]
+) -> list[Singles]:
+    """What is found of a part when others are turned by 0 to 15 sectors: it is turned back by them.
+
+    It has far fewer patches than what it is compared with.
+    """
+
+    def turned(shift: int) -> Singles:
+        return compared(_Moments.of(part, -shift))
+
+    return side_by_side(partial(turned, shift) for shift in range(SHIFTS))
 
 
 def _of_all(part: Singles, full: Singles) -> Singles:
